@@ -1,9 +1,10 @@
 //! The content of ln p that a text in any language must contain.
 
 use super::{ClosedDensity, ClosedForm};
-use crate::closure::{ClosureDensity, Copula, Corner, DomainCells, Similarity, TrustDomain};
+use crate::closure::{ClosureDensity, Copula, DomainCells, TrustDomain};
 use crate::density::{Density, ExpPolynomial, Support};
 use crate::error::{Error, Result};
+use crate::functions::{Corner, Similarity};
 use crate::polynomial::{Polynomial, total_degree};
 
 /// Powers of the states themselves are written if their error is at most this, relative to ln p or to 1.

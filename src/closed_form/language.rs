@@ -1,7 +1,7 @@
 //! The parts of a text that are the same in all languages but for their punctuation.
 
 use super::formula::{Coordinates, CornerFormula, Domain, Formula};
-use crate::closure::{CLOSEST, PER_UNIT, SMALLEST, STEPS, TAYLOR};
+use crate::functions::{CLOSEST, PER_UNIT, SMALLEST, STEPS, TAYLOR};
 
 /// How a language writes functions of numbers.
 pub(super) struct Language {

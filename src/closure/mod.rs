@@ -66,7 +66,6 @@ pub use projection::Weight;
 pub(crate) use samples::Copula;
 pub use sensitivity::ClosureSensitivity;
 pub use space::degrees::Degrees;
-pub(crate) use space::{CLOSEST, Corner, PER_UNIT, SMALLEST, STEPS, Similarity, TAYLOR};
 
 /// A number as small as this, relative to its parts, is rounding: what sums over some thousand nodes leave of sixteen digits. None
 /// of nine closures of orders 4 to 8 depends on it.

@@ -1,5 +1,4 @@
 use super::FokkerPlanck;
-use crate::numerics::Number;
 use crate::polynomial::Polynomial;
 use crate::states::States;
 
@@ -47,19 +46,6 @@ impl Local {
         self.diffusion_divergence[i] - self.drift[i]
     }
 
-    /// The residual r(x; Q) for a Q with this gradient and this Hessian, by rows, at the point.
-    pub(crate) fn residual(&self, gradient: &[f64], hessian: &[f64]) -> f64 {
-        let n = self.drift.len();
-        let mut r = self.source();
-        for i in 0..n {
-            r += self.backward(i) * gradient[i];
-            for j in 0..n {
-                r += 0.5 * self.diffusion[i * n + j] * (hessian[i * n + j] + gradient[i] * gradient[j]);
-            }
-        }
-        r
-    }
-
     /// Enters −f + ∂B + B∇Q for a Q with this gradient: the residual's derivative along δ is its product with ∇δ, and
     /// ½ B:∇∇δ, which is the generator of the process run backwards in time if exp(Q) is its density.
     pub(crate) fn reversed(&self, gradient: &[f64], drift: &mut [f64]) {
@@ -95,19 +81,4 @@ impl FokkerPlanck {
         };
         points.iter().map(local).collect()
     }
-}
-
-/// The generator f·∇φ + ½ B:∇∇φ, the mean rate of change of φ, for a function of this gradient and Hessian; B and the Hessian
-/// by rows.
-#[inline(always)]
-pub(crate) fn generator<T: Number>((drift, diffusion): (&[T], &[T]), gradient: &[T], hessian: &[T]) -> T {
-    let n = drift.len();
-    let mut rate = T::everywhere(0.0);
-    for i in 0..n {
-        rate += drift[i] * gradient[i];
-        for j in 0..n {
-            rate += diffusion[n * i + j] * 0.5 * hessian[n * i + j];
-        }
-    }
-    rate
 }

@@ -18,7 +18,7 @@ mod text;
 
 pub(crate) use impulse_term::{ImpulseAt, ImpulseTerm};
 pub use impulses::Impulse;
-pub(crate) use local::{Local, generator};
+pub(crate) use local::Local;
 
 use crate::checks::require;
 use crate::density::Frame;

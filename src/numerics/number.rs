@@ -1,15 +1,10 @@
 //! Functions that are written once, for one point and for eight at a time.
 
 use std::fmt::Debug;
-use std::ops::{Add, AddAssign, Div, Mul, Sub};
+use std::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Sub};
 
 /// Points of an [`Eight`].
 pub(crate) const EIGHT: usize = 8;
-
-/// One number for each of eight points, without operations.
-pub(crate) type PointLane = [f64; EIGHT];
-
-pub(crate) const ZEROS: PointLane = [0.0; EIGHT];
 
 /// A number at one point, or at each of several: the same operations in the same order, so that the bits are the same.
 pub(crate) trait Number:
@@ -68,7 +63,10 @@ impl Number for f64 {
 
 /// A number at each of eight points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Eight(pub(crate) PointLane);
+pub(crate) struct Eight(pub(crate) [f64; EIGHT]);
+
+/// 0 at each of eight points.
+pub(crate) const ZEROS: Eight = Eight([0.0; EIGHT]);
 
 impl Number for Eight {
     const POINTS: usize = EIGHT;
@@ -81,6 +79,22 @@ impl Number for Eight {
     #[inline(always)]
     fn at(self, point: usize) -> f64 {
         self.0[point]
+    }
+}
+
+impl Index<usize> for Eight {
+    type Output = f64;
+
+    #[inline(always)]
+    fn index(&self, point: usize) -> &f64 {
+        &self.0[point]
+    }
+}
+
+impl IndexMut<usize> for Eight {
+    #[inline(always)]
+    fn index_mut(&mut self, point: usize) -> &mut f64 {
+        &mut self.0[point]
     }
 }
 

@@ -97,8 +97,10 @@ fn both_routes_agree(problem: &Problem) -> Result<()> {
                 check("slope of the drift", &operator.drift()[i].derivative(j), &x, jacobian[i * n + j]);
             }
         }
-        let (gradient, hessian) = (q.gradient(&x), q.hessian(&x).concat());
-        check("residual", &residual, &x, local.residual(&gradient, &hessian));
+        let (slope, bend) = (q.gradient(&x), q.hessian(&x).concat());
+        let of_slopes: f64 = (0..n).map(|i| local.backward(i) * slope[i]).sum();
+        let bent = |ij: usize| 0.5 * local.diffusion[ij] * (bend[ij] + slope[ij / n] * slope[ij % n]);
+        check("residual", &residual, &x, local.source() + of_slopes + (0..n * n).map(bent).sum::<f64>());
     }
     lanes_agree(problem, &mut stream);
     Ok(())

@@ -1,5 +1,5 @@
 use super::{blocks::Blocks, layout::TallyLayout, tally::Tally};
-use crate::control_variates::regression;
+use crate::numerics::regression;
 use crate::simulation::UNEVEN_WEIGHTS;
 use faer::Mat;
 

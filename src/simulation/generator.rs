@@ -1,7 +1,11 @@
 //! The control variates of a simulation.
+//!
+//! In the stationary state E\[𝓖ψ\] = 0 for every polynomial ψ, with the generator 𝓖 = f·∇ + ½ B:∇∇. The mean of 𝓖ψ over sampled
+//! states is therefore chance alone, and the part of a sampled mean h̄ that is correlated with it can be taken off, E h = h̄
+//! − β·mean(𝓖ψ) (A. Mira, R. Solgi and D. Imparato, 2013, doi:10.1007/s11222-012-9344-6).
 
 use super::bins::Axis;
-use crate::control_variates::{impulses, products::Products};
+use crate::functions::{Functions, ImpulseImages, images};
 use crate::numerics::sort_by_number;
 use crate::polynomial::monomials;
 use crate::problem::{Problem, limits};
@@ -26,7 +30,7 @@ pub(super) struct ControlVariates {
     half_width: Vec<f64>,
     exponents: Vec<Vec<u32>>,
     /// The part of 𝓖ψ that impulses make; empty without any.
-    impulses: impulses::ImpulseImages,
+    impulses: ImpulseImages,
 }
 
 impl ControlVariates {
@@ -66,7 +70,7 @@ impl ControlVariates {
         if problem.impulses().is_empty() {
             return ControlVariates { centre, half_width, exponents, impulses: Vec::new() };
         }
-        match impulses::images(&problem.operator().impulse_terms(), (&centre, &half_width), &exponents) {
+        match images(&problem.operator().impulse_terms(), (&centre, &half_width), &exponents) {
             Some(impulses) => ControlVariates { centre, half_width, exponents, impulses },
             None => ControlVariates::default(),
         }
@@ -89,8 +93,8 @@ impl ControlVariates {
         degrees.filter(move |&(_, count)| std::mem::replace(&mut before, count) < count)
     }
 
-    pub(super) fn products(&self) -> Products {
-        Products::on_box(&self.centre, &self.half_width, &self.exponents).struck(self.impulses.clone())
+    pub(super) fn functions(&self) -> Functions {
+        Functions::on_box(&self.centre, &self.half_width, &self.exponents).struck(self.impulses.clone())
     }
 }
 

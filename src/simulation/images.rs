@@ -4,8 +4,8 @@ use super::boundaries::Boundaries;
 use super::layout::TallyLayout;
 use super::passage::{POWERS, Record, powers};
 use super::scheme::Scheme;
-use crate::control_variates::products::Scratch;
-use crate::numerics::{EIGHT, PointLane, ZEROS};
+use crate::functions::Scratch;
+use crate::numerics::{EIGHT, Eight, ZEROS};
 use crate::problem::{LANES, Lane};
 use pulp::NullaryFnOnce;
 
@@ -19,14 +19,15 @@ pub(super) struct Images {
     monomials: Vec<Lane>,
     /// One state.
     state: Vec<f64>,
-    /// Eight states, and B there.
-    x: Vec<PointLane>,
+    /// Eight states, and f and B there.
+    x: Vec<Eight>,
     /// ψ there.
-    values: Vec<PointLane>,
-    second: Vec<PointLane>,
+    values: Vec<Eight>,
+    first: Vec<Eight>,
+    second: Vec<Eight>,
     /// The sums of sixteen trajectories, one trajectory after the other.
     pub(super) rows: Vec<f64>,
-    scratch: Scratch,
+    scratch: Scratch<Eight>,
 }
 
 impl Images {
@@ -40,9 +41,10 @@ impl Images {
             state: vec![0.0; n],
             x: vec![ZEROS; n],
             values: vec![ZEROS; layout.control_variates.len()],
+            first: vec![ZEROS; n],
             second: vec![ZEROS; n * n],
             rows: vec![0.0; LANES * (layout.tracked() + layout.control_variates.len())],
-            scratch: layout.images.scratch(),
+            scratch: Scratch::default(),
         }
     }
 
@@ -118,7 +120,7 @@ impl NullaryFnOnce for Add<'_> {
     #[inline(always)]
     fn call(self) {
         let Add { layout, coupled, x, images, sums } = self;
-        let Images { drift, diffusion, monomials, x: eight, second, scratch, .. } = images;
+        let Images { drift, diffusion, monomials, x: eight, first: f, second, scratch, .. } = images;
         for (k, &(lower, state)) in layout.products.iter().enumerate() {
             let (lower, x) = (monomials[lower], x[state]);
             for l in 0..LANES {
@@ -133,16 +135,16 @@ impl NullaryFnOnce for Add<'_> {
         }
         for first in (0..LANES).step_by(EIGHT) {
             let part = first..first + EIGHT;
-            let copy = |to: &mut [PointLane], from: &[Lane]| {
+            let copy = |to: &mut [Eight], from: &[Lane]| {
                 for (to, from) in to.iter_mut().zip(from) {
-                    to.copy_from_slice(&from[part.clone()]);
+                    to.0.copy_from_slice(&from[part.clone()]);
                 }
             };
             copy(eight, x);
-            copy(&mut scratch.first, drift);
+            copy(f, drift);
             copy(second, diffusion);
             layout.images.place(eight, scratch);
-            layout.images.apply(second, coupled, scratch);
+            layout.images.apply((f, second), coupled, scratch);
             for (k, sum) in images.iter_mut().enumerate() {
                 let image = layout.images.image(scratch, k + 1);
                 for l in 0..EIGHT {

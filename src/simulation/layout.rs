@@ -4,7 +4,7 @@ use super::bins::Axis;
 use super::generator::ControlVariates;
 use super::passage::POWERS;
 use super::statistics::Recorders;
-use crate::control_variates::products::Products;
+use crate::functions::Functions;
 use crate::polynomial::{monomials, of_one};
 use std::slice;
 
@@ -29,7 +29,7 @@ pub(super) struct TallyLayout {
     pub(super) recorders: Recorders,
     /// The control variates.
     pub(super) control_variates: ControlVariates,
-    pub(super) images: Products,
+    pub(super) images: Functions,
 }
 
 impl TallyLayout {
@@ -61,7 +61,7 @@ impl TallyLayout {
             velocities: 0,
             gates: 0,
             recorders,
-            images: control_variates.products(),
+            images: control_variates.functions(),
             control_variates,
         }
     }
@@ -74,7 +74,7 @@ impl TallyLayout {
 
     /// The same with control variates, so many displacements, and so many levels and walls.
     pub(super) fn with(self, control_variates: ControlVariates, velocities: usize, gates: usize) -> Self {
-        TallyLayout { images: control_variates.products(), control_variates, velocities, gates, ..self }
+        TallyLayout { images: control_variates.functions(), control_variates, velocities, gates, ..self }
     }
 
     /// The number of sums whose means are calibrated: those of the monomials, and after them the powers of the speed at the

@@ -8,7 +8,7 @@ use crate::closure::candidates::{Candidate, Origin};
 use crate::closure::discretisation::trust_domain::TrustDomain;
 use crate::closure::reference::ReferenceDensity;
 use crate::closure::samples::{ImportanceRule, Lattice};
-use crate::closure::space::degrees::HIGHEST;
+use crate::functions::HIGHEST;
 use crate::numerics::Rule;
 use crate::problem::COLLAPSE;
 use crate::provenance::Provenance;

@@ -2,8 +2,9 @@
 
 use super::trust_domain::TrustDomain;
 use crate::closure::pilot::Pilot;
-use crate::closure::space::{Functions, sweep};
+use crate::closure::space::sweep;
 use crate::fokker_planck::{Impulse, ImpulseAt, ImpulseTerm};
+use crate::functions::Functions;
 use crate::problem::Problem;
 use crate::states::States;
 use crate::system::{Amplitude, Parameter};

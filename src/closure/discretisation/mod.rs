@@ -17,10 +17,10 @@ pub(super) mod walled;
 
 use super::density::exponent::Exponent;
 use super::pilot::Pilot;
-use super::space::Corner;
 use super::space::nested_spaces::{Smooth, SpaceFamily};
 use crate::closure::{FINE_NODES, KEPT_DROP};
 use crate::fokker_planck::{ImpulseTerm, Local};
+use crate::functions::Corner;
 use crate::numerics::Rule;
 use crate::parallel;
 use crate::problem::Problem;

@@ -1,8 +1,9 @@
 use super::trust_domain::TrustDomain;
 use super::{WallPassage, impulses};
 use crate::closure::space::orthonormal::Orthonormal;
-use crate::closure::space::{Functions, sweep};
+use crate::closure::space::sweep;
 use crate::fokker_planck::{ImpulseTerm, Local};
+use crate::functions::Functions;
 use crate::numerics::Rule;
 use crate::states::States;
 use faer::{Mat, MatMut};

@@ -8,9 +8,10 @@
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::{locals, nodes};
 use crate::closure::pilot::normal_density;
-use crate::closure::space::{Functions, sweep};
+use crate::closure::space::sweep;
 use crate::closure::{CONVERGING, EXACT_STEPS, ROUNDING, SOLVED};
 use crate::fokker_planck::Local;
+use crate::functions::Functions;
 use crate::numerics::{combination, least_norm, triangle};
 use crate::polynomial::{Gaussian, monomials};
 use crate::problem::{Contact, Problem};
@@ -172,13 +173,17 @@ impl Conditions {
 
     /// The residual at each state, the squares of its parts by the drift, and the drift of its linearisation.
     fn linearised(&self, current: &Exponent) -> Vec<(f64, f64, Vec<f64>)> {
-        sweep::at_jets(current, &self.states, |i, gradient, hessian| {
-            let local = &self.locals[i];
-            let mut reversed = vec![0.0; gradient.len()];
-            local.reversed(gradient, &mut reversed);
-            let parts: f64 = local.drift.iter().zip(gradient).map(|(f, slope)| (f * slope).powi(2)).sum();
-            (local.residual(gradient, hessian), parts, reversed)
-        })
+        current.linearised(
+            &self.states,
+            |i| &self.locals[i],
+            |i, residual, gradient| {
+                let local = &self.locals[i];
+                let mut reversed = vec![0.0; gradient.len()];
+                local.reversed(gradient, &mut reversed);
+                let parts: f64 = local.drift.iter().zip(gradient).map(|(f, slope)| (f * slope).powi(2)).sum();
+                (residual, parts, reversed)
+            },
+        )
     }
 }
 

@@ -9,12 +9,12 @@ use super::density::moment::Moment;
 use super::discretisation::Discretisation;
 use super::discretisation::nodes::{Nodes, Table};
 use super::projection::{Projection, distance, project, tempered};
-use super::space::Functions;
 use super::space::nested_spaces::{NestedSpaces, Truncation};
 use super::space::sweep::{self, Function};
 use crate::checks::dimension;
 use crate::closure::{CONVERGING, FINE_REFERENCE, ROUNDING, WEIGHT_POWER};
 use crate::error::Result;
+use crate::functions::{Functions, Scratch};
 use crate::numerics::{Number, exponentials};
 use crate::polynomial::power;
 use crate::record::{Read, number};
@@ -237,8 +237,9 @@ impl ReferenceDensity {
 
     /// δ at a state.
     #[inline(always)]
-    fn correction_at<T: Number>(&self, x: &[T]) -> T {
-        self.space.sum(x, &self.correction[1..]) + self.correction[0]
+    fn correction_at<T: Number>(&self, x: &[T], scratch: &mut Scratch<T>) -> T {
+        self.space.place_values(x, scratch);
+        self.space.sum(&self.correction[1..], scratch) + self.correction[0]
     }
 
     /// The same with a constant added to ln p̂.
@@ -258,14 +259,14 @@ impl ReferenceDensity {
         coefficients.resize(self.space.len(), 0.0);
         let (known, space) = (Vec::new(), self.space.clone());
         let ratio = Exponent { known, space, constant: 1.0 + self.correction[0], coefficients };
-        let slope = |function: &Exponent| sweep::at_jets(function, points, |_, gradient, _| gradient[state]);
+        let slope = |function: &Exponent| function.gradients(points, |_, gradient| gradient[state]);
         let ratios = slope(&ratio).into_iter().zip(ratio.values(points));
         slope(&self.weight).into_iter().zip(ratios).map(|(own, (slope, ratio))| own + slope / ratio).collect()
     }
 
     /// ln p̂ at a state, up to a constant.
     pub(super) fn value(&self, x: &[f64]) -> f64 {
-        self.at(x)
+        self.at(x, &mut Scratch::default())
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
@@ -283,8 +284,8 @@ impl ReferenceDensity {
 /// ln p̂, up to a constant.
 impl Function for ReferenceDensity {
     #[inline(always)]
-    fn at<T: Number>(&self, x: &[T]) -> T {
-        self.weight.value(x) + self.correction_at(x).map(log_ratio)
+    fn at<T: Number>(&self, x: &[T], scratch: &mut Scratch<T>) -> T {
+        self.weight.at(x, scratch) + self.correction_at(x, scratch).map(log_ratio)
     }
 }
 
@@ -293,8 +294,8 @@ struct Correction<'a>(&'a ReferenceDensity);
 
 impl Function for Correction<'_> {
     #[inline(always)]
-    fn at<T: Number>(&self, x: &[T]) -> T {
-        self.0.correction_at(x)
+    fn at<T: Number>(&self, x: &[T], scratch: &mut Scratch<T>) -> T {
+        self.0.correction_at(x, scratch)
     }
 }
 

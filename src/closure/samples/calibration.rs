@@ -2,15 +2,13 @@
 
 use super::family::FunctionFamily;
 use super::paths::{ImpactStatistics, PilotPaths};
-use super::products::Products;
 use super::sums::{LOTS, Regression, Sums};
 use crate::closure::density::impacts::WallImpacts;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::{LEAST_WEIGHT, MANY};
-use crate::closure::space::Functions;
 use crate::closure::space::degrees::Degrees;
 use crate::closure::{BLOCKS_EACH, LEAST_BLOCKS, LENGTH_AT_WALLS, PILOT_TRAJECTORIES};
-use crate::control_variates::impulses::images;
+use crate::functions::Functions;
 use crate::numerics::sort_by_number;
 use crate::parallel;
 use crate::problem::{Problem, Symmetry};
@@ -155,18 +153,23 @@ impl CalibratedMeans {
         let (mut degrees, exponents) = allowed(symmetry, problem.dimension(), blocks);
         let (tested, kinks) = family.tests(exponents);
         degrees.iter_mut().skip(1).for_each(|(_, tests)| *tests += kinks);
-        let mut products = [&tested, functions].map(Products::of);
-        if let (false, Some(tested)) = (problem.impulses().is_empty(), tested.polynomials()) {
-            let sides = (tested.centre(), tested.half_width());
-            products[0] =
-                products[0].clone().struck(images(&problem.operator().impulse_terms(), sides, tested.exponents())?);
-        }
-        let [tests, count] = products.each_ref().map(|products| products.len() - 1);
+        // Next to walls there are no impulses.
+        let images = tested.images(&problem.operator().impulse_terms())?;
+        let tested = tested.struck(images);
+        let [tests, count] = [tested.len(), functions.len()];
         let contacts = problem.contacts();
         let statistics = ImpactStatistics::new(pilot, &contacts);
         let sizes = [tests, count + contacts.len() * ImpactStatistics::EACH, count.min(family.covered())];
-        let paths =
-            PilotPaths { problem, pilot, contacts: &contacts, statistics, products: &products, sizes, samples, length };
+        let paths = PilotPaths {
+            problem,
+            pilot,
+            contacts: &contacts,
+            statistics,
+            spaces: [&tested, functions],
+            sizes,
+            samples,
+            length,
+        };
 
         let sums = SumsOfLots::new(&paths)?;
         let mut found = sums.regressed(&degrees, wanted);

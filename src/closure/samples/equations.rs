@@ -1,11 +1,9 @@
 //! The Galerkin equations under exp(Q), with the Fokker-Planck operator at eight states at a time.
 
 use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, ROWS, lane};
-use super::products::Scratch;
-use crate::closure::space::Corner;
-use crate::control_variates::planes::Form;
 use crate::fokker_planck::Local;
-use crate::numerics::{EIGHT, Eight, PointLane, ZEROS, add_gram, symmetric};
+use crate::functions::{Corner, Form, Scratch};
+use crate::numerics::{EIGHT, Eight, Number, ZEROS, add_gram, symmetric};
 use crate::parallel;
 use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
@@ -14,15 +12,15 @@ use faer::{Accum, Mat, Par};
 /// Eight states with the coefficients of the operator there.
 #[derive(Clone, Debug)]
 pub(in crate::closure) struct Sites {
-    pub(in crate::closure) x: Vec<PointLane>,
+    pub(in crate::closure) x: Vec<Eight>,
     /// f.
-    pub(in crate::closure) drift: Vec<PointLane>,
+    pub(in crate::closure) drift: Vec<Eight>,
     /// B, by rows.
-    pub(in crate::closure) diffusion: Vec<PointLane>,
+    pub(in crate::closure) diffusion: Vec<Eight>,
     /// −f + ∂B.
-    pub(in crate::closure) backward: Vec<PointLane>,
+    pub(in crate::closure) backward: Vec<Eight>,
     /// −∇·f + ½ ∂∂B.
-    pub(in crate::closure) source: PointLane,
+    pub(in crate::closure) source: Eight,
     /// The states i with some B_ij ≠ 0, j ≠ i.
     pub(in crate::closure) coupled: Vec<usize>,
     /// The states with noise.
@@ -70,28 +68,22 @@ impl Sites {
     /// At each wall −w S_u + D (S_ww + S_w²) = 0 exactly, terms that are large and would leave their rounding.
     fn add_known(&mut self) {
         let n = self.x.len();
-        let x: Vec<Eight> = self.x.iter().map(|lane| Eight(*lane)).collect();
         let backward = self.backward.clone();
-        let mut slopes: Vec<(Form, PointLane)> = Vec::with_capacity(self.grazed.len());
+        let mut slopes: Vec<(Form, Eight)> = Vec::with_capacity(self.grazed.len());
         for corner in &self.grazed {
-            let jet = corner.grazing_jet(&x);
-            let (slope, bend) = (jet.gradient[1].0, jet.hessian[1][1].0);
+            let jet = corner.grazing_jet(&self.x);
+            let (slope, bend) = (jet.gradient[1], jet.hessian[1][1]);
             let [_, rate] = corner.forms();
             let (back, noise) = (rate.of(&backward), rate.diffusion(&rate, &self.diffusion, n));
-            let intensity = corner.intensity();
-            for l in 0..EIGHT {
-                let excess = 0.5 * noise[l] - intensity;
-                self.source[l] += back[l] * slope[l] + excess * (bend[l] + slope[l] * slope[l]);
-            }
+            let excess = noise * 0.5 - corner.intensity();
+            self.source += back * slope + excess * (bend + slope * slope);
             for (other, with) in &slopes {
-                let mixed = rate.diffusion(other, &self.diffusion, n);
-                (0..EIGHT).for_each(|l| self.source[l] += mixed[l] * slope[l] * with[l]);
+                self.source += rate.diffusion(other, &self.diffusion, n) * slope * *with;
             }
             slopes.push((rate, slope));
             for (j, sign) in rate.parts() {
                 for i in 0..n {
-                    let b = &self.diffusion[i * n + j];
-                    (0..EIGHT).for_each(|l| self.backward[i][l] += sign * b[l] * slope[l]);
+                    self.backward[i] += self.diffusion[i * n + j] * sign * slope;
                 }
             }
         }
@@ -107,7 +99,7 @@ impl Likelihood<'_> {
 
     /// The equations under exp(Q), or the size of its residual alone.
     pub(super) fn equations(&self, problem: &Problem, a: &[f64], masses: &[f64], whole: bool) -> Equations {
-        let size = if whole { self.products.len() } else { 0 };
+        let size = if whole { self.space.len() + 1 } else { 0 };
         let stretches = (ROOM / (size * size).max(1)).clamp(2, 64);
         let blocks: Vec<usize> = (0..masses.len().div_ceil(BLOCK)).collect();
         let runs: Vec<&[usize]> = blocks.chunks(blocks.len().div_ceil(stretches).max(1)).collect();
@@ -127,7 +119,7 @@ impl Likelihood<'_> {
     /// The sums of the equations over some blocks of the nodes.
     fn summed(&self, problem: &Problem, a: &[f64], masses: &[f64], (size, blocks): (usize, &[usize])) -> Equations {
         let mut sum = Equations::new(size);
-        let (mut scratch, mut sites) = (self.products.scratch(), Sites::new(problem, self.corners));
+        let (mut scratch, mut sites) = (Scratch::default(), Sites::new(problem, self.corners));
         let [mut left, mut right, mut noise] = [(); 3].map(|()| Mat::<f64>::zeros(ROWS, size));
         for &block in blocks {
             let p = &masses[block * BLOCK..((block + 1) * BLOCK).min(masses.len())];
@@ -136,11 +128,10 @@ impl Likelihood<'_> {
                 let n = problem.dimension();
                 let first = block * BLOCK + at;
                 sites.place(problem, &self.nodes.points.values()[first * n..(first + count) * n]);
-                self.products.place(&sites.x, &mut scratch);
+                self.space.place(&sites.x, &mut scratch);
                 let (r, parts) = self.residual_at(a, &sites, &mut scratch);
                 if size > 0 {
-                    scratch.first.copy_from_slice(&sites.drift);
-                    self.products.apply(&sites.diffusion, &sites.coupled, &mut scratch);
+                    self.space.apply((&sites.drift, &sites.diffusion), &sites.coupled, &mut scratch);
                 }
                 let p = lane(&p[at..at + count]);
                 for l in 0..EIGHT {
@@ -148,8 +139,8 @@ impl Likelihood<'_> {
                     sum.size += p[l] * parts[l];
                 }
                 for k in 0..size {
-                    let value = self.products.value(&scratch, k);
-                    let image = self.products.image(&scratch, k);
+                    let value = self.space.value(&scratch, k);
+                    let image = self.space.image(&scratch, k);
                     let [left, right, noise] =
                         [&mut left, &mut right, &mut noise].map(|table| &mut table.col_as_slice_mut(k)[at..at + EIGHT]);
                     for l in 0..EIGHT {
@@ -170,26 +161,20 @@ impl Likelihood<'_> {
         sum
     }
 
-    /// The residual of Q at the sites where the products are placed, and the sum of the squares of the parts f_i ∂_iQ.
-    fn residual_at(&self, a: &[f64], sites: &Sites, scratch: &mut Scratch) -> (PointLane, PointLane) {
-        scratch.first.copy_from_slice(&sites.backward);
-        self.products.apply(&sites.diffusion, &sites.coupled, scratch);
-        let mut r = sites.source;
-        for (k, a) in a.iter().enumerate() {
-            let image = self.products.image(scratch, k);
-            (0..EIGHT).for_each(|l| r[l] += a * image[l]);
-        }
-        self.products.gradient(a, scratch);
+    /// The residual of Q at the sites where the functions are placed, and the sum of the squares of the parts f_i ∂_iQ.
+    fn residual_at(&self, a: &[f64], sites: &Sites, scratch: &mut Scratch<Eight>) -> (Eight, Eight) {
+        self.space.apply((&sites.backward, &sites.diffusion), &sites.coupled, scratch);
+        let mut r = sites.source + self.space.sum_of_images(&a[1..], scratch);
+        self.space.gradient(&a[1..], scratch);
         let slope = &scratch.gradient;
         for &i in &sites.noisy {
             for &j in &sites.noisy {
-                let b = &sites.diffusion[i * slope.len() + j];
-                (0..EIGHT).for_each(|l| r[l] += 0.5 * b[l] * slope[i][l] * slope[j][l]);
+                r += sites.diffusion[i * slope.len() + j] * 0.5 * slope[i] * slope[j];
             }
         }
         let mut parts = ZEROS;
         for (f, slope) in sites.drift.iter().zip(slope) {
-            (0..EIGHT).for_each(|l| parts[l] += (f[l] * slope[l]).powi(2));
+            parts += (*f * *slope).map(|part| part.powi(2));
         }
         (r, parts)
     }

@@ -29,7 +29,7 @@ pub(super) fn l1_estimate(
     calibration: &CalibratedMeans,
     covered: usize,
 ) -> [f64; 2] {
-    let size = likelihood.products.len() - 1;
+    let size = likelihood.space.len();
     let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(size + 1).collect();
     let apart = |means: &[f64], size: f64| {
         let above =
@@ -70,7 +70,7 @@ fn without_noise(found: f64, noise: f64) -> f64 {
 fn by_means(fits: [(&Likelihood<'_>, &Fit); 2], distance: f64, calibration: &CalibratedMeans) -> [f64; 2] {
     // Half the distance between the density by one half of the states and by the other is about the noise of the two together.
     let [own, higher] = fits.map(|(likelihood, fit)| {
-        let size = likelihood.products.len() - 1;
+        let size = likelihood.space.len();
         OF_HALVES * likelihood.change(fit, calibration.halves.each_ref().map(|half| &half[..size])).unwrap_or(2.0)
     });
     [without_noise(distance, without_noise(higher, own)).hypot(own).hypot(fits[1].1.next), own]

@@ -1,8 +1,9 @@
 use crate::closure::MOST_FUNCTIONS;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::MANY;
+use crate::closure::space::WallLevel;
 use crate::closure::space::degrees::Degrees;
-use crate::closure::space::{Corner, Functions, Polynomials, WallLevel};
+use crate::functions::{Corner, Functions, Polynomials};
 use crate::numerics::sort_by_number;
 use crate::problem::{Contact, Problem, Symmetry};
 

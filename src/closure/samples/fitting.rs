@@ -4,13 +4,13 @@ use super::importance::ImportanceRule;
 use super::lattice::Lattice;
 use super::likelihood::{Fit, Likelihood};
 use super::nodes::SampleNodes;
-use super::products::Products;
 use super::strata::Strata;
 use super::wall_nodes::WallNodes;
 use super::{FunctionFamily, Samples};
 use crate::closure::density::exponent::Exponent;
 use crate::closure::samples::{FEWER, FEWEST_NODES, NODES_EACH, ROUGH, UNEVEN};
 use crate::closure::{EVEN_LATTICE, LIKELIHOOD_SEARCH, MOST_NODES};
+use crate::functions::Functions;
 use crate::numerics::Search;
 
 /// The fewest draws of the maximisation next to walls.
@@ -45,27 +45,21 @@ pub(super) struct NodalFit {
 impl Fitting<'_> {
     /// The fit of the first of two lists of functions; the means of the other one decide whether nodes resolve the density.
     /// None where there is no fit.
-    pub(super) fn best(&self, products: [&Products; 2]) -> Option<NodalFit> {
+    pub(super) fn best(&self, lists: [&Functions; 2]) -> Option<NodalFit> {
         if self.samples.family.corners().is_empty() {
-            self.on_lattice(products).or_else(|| self.on_draws(products))
+            self.on_lattice(lists).or_else(|| self.on_draws(lists))
         } else {
-            self.on_strata(products).or_else(|| self.on_draws(products))
+            self.on_strata(lists).or_else(|| self.on_draws(lists))
         }
     }
 
-    fn fitted(
-        &self,
-        products: &Products,
-        nodes: SampleNodes,
-        walls: Vec<WallNodes>,
-        search: Search,
-    ) -> Option<NodalFit> {
+    fn fitted(&self, space: &Functions, nodes: SampleNodes, walls: Vec<WallNodes>, search: Search) -> Option<NodalFit> {
         let corners = self.samples.family.corners();
         let (mut steps, mut start) = (0, Vec::new());
-        let mut most_likely = |products: &Products, search| {
-            start.resize(products.len(), 0.0);
-            let means = &self.means[..products.len() - 1];
-            let likelihood = Likelihood { nodes: &nodes, products, corners, walls: &walls };
+        let mut most_likely = |space: &Functions, search| {
+            start.resize(space.len() + 1, 0.0);
+            let means = &self.means[..space.len()];
+            let likelihood = Likelihood { nodes: &nodes, space, corners, walls: &walls };
             let fit = likelihood.most_likely(means, start.clone(), search)?;
             steps += fit.steps;
             start.clone_from(&fit.a);
@@ -74,26 +68,24 @@ impl Fitting<'_> {
         // Order by order, each from the one before; next to walls their functions are not nested.
         let lower = (2..self.samples.order).step_by(2).filter(|_| corners.is_empty());
         for order in lower {
-            most_likely(&Products::of(&self.samples.family.functions(order)), ROUGH)?;
+            most_likely(&self.samples.family.functions(order), ROUGH)?;
         }
-        let fit = most_likely(products, search)?;
+        let fit = most_likely(space, search)?;
         Some(NodalFit { lattice: None, nodes, walls, fit })
     }
 
     /// The largest difference of a mean by one part of the nodes from that by all, in standard deviations.
-    fn unevenness(&self, NodalFit { nodes, walls, fit, .. }: &NodalFit, products: &Products) -> f64 {
-        Likelihood { nodes, products, corners: self.samples.family.corners(), walls }.unevenness(&fit.masses)
+    fn unevenness(&self, NodalFit { nodes, walls, fit, .. }: &NodalFit, space: &Functions) -> f64 {
+        Likelihood { nodes, space, corners: self.samples.family.corners(), walls }.unevenness(&fit.masses)
     }
 
     /// Fewer nodes where they are as good as more; where they are not, the search on them may not end.
-    fn on_lattice(&self, [products, comparing]: [&Products; 2]) -> Option<NodalFit> {
-        let most = (NODES_EACH * (products.len() - 1))
-            .max(NODES_EACH / 2 * (comparing.len() - 1))
-            .clamp(FEWEST_NODES, MOST_NODES);
+    fn on_lattice(&self, [space, comparing]: [&Functions; 2]) -> Option<NodalFit> {
+        let most = (NODES_EACH * space.len()).max(NODES_EACH / 2 * comparing.len()).clamp(FEWEST_NODES, MOST_NODES);
         let on = |most, uneven, search| {
             let (lattice, nodes) =
                 Lattice::finest(self.samples.pilot, self.samples.family.symmetry(), self.samples.copula, most)?;
-            let fitted = self.fitted(products, nodes, Vec::new(), search)?;
+            let fitted = self.fitted(space, nodes, Vec::new(), search)?;
             let resolved = self.unevenness(&fitted, comparing) < uneven;
             resolved.then_some(NodalFit { lattice: Some(lattice), ..fitted })
         };
@@ -103,26 +95,25 @@ impl Fitting<'_> {
     }
 
     /// Next to walls on one line, in up to four states.
-    fn on_strata(&self, [products, comparing]: [&Products; 2]) -> Option<NodalFit> {
+    fn on_strata(&self, [space, comparing]: [&Functions; 2]) -> Option<NodalFit> {
         let contacts = self.samples.problem.contacts();
         let strata = Strata::new(self.samples.pilot, &contacts, self.samples.copula)?;
         let (nodes, walls) = strata.finest(self.samples.family.corners(), MOST_NODES)?;
-        let fitted = self.fitted(products, nodes, walls, LIKELIHOOD_SEARCH)?;
+        let fitted = self.fitted(space, nodes, walls, LIKELIHOOD_SEARCH)?;
         (self.unevenness(&fitted, comparing) < UNEVEN).then_some(fitted)
     }
 
-    fn on_draws(&self, [products, comparing]: [&Products; 2]) -> Option<NodalFit> {
+    fn on_draws(&self, [space, comparing]: [&Functions; 2]) -> Option<NodalFit> {
         let corners = self.samples.family.corners();
-        let count = products.len() - 1;
+        let count = space.len();
         let most = if corners.is_empty() {
-            (NODES_EACH * count).max(NODES_EACH / 2 * (comparing.len() - 1)).clamp(FEWEST_NODES, MOST_NODES)
+            (NODES_EACH * count).max(NODES_EACH / 2 * comparing.len()).clamp(FEWEST_NODES, MOST_NODES)
         } else {
             // About as many stay on this side of all walls.
             (NODES_EACH_AT_WALLS * count).clamp(FEWEST_AT_WALLS, MOST_NODES) * (1 + corners.len())
         };
-        let space = self.samples.family.functions(self.samples.order);
         let coefficients = vec![0.0; count];
-        let nothing = Exponent { known: corners.to_vec(), space, constant: 0.0, coefficients };
+        let nothing = Exponent { known: corners.to_vec(), space: space.clone(), constant: 0.0, coefficients };
         let seed = self.samples.seed ^ FITTED;
         let nodes = ImportanceRule::new(&nothing, self.samples.copula, most, seed)?.nodes().ok()?;
         let contacts = self.samples.problem.contacts();
@@ -131,12 +122,11 @@ impl Fitting<'_> {
             WallNodes::new(self.samples.pilot, (wall, contact), corners, ON_WALL, seed)
         };
         let walls = contacts.iter().enumerate().map(on_wall).collect::<Option<_>>()?;
-        self.fitted(products, nodes, walls, LIKELIHOOD_SEARCH)
+        self.fitted(space, nodes, walls, LIKELIHOOD_SEARCH)
     }
 }
 
 /// The largest difference of a mass or a second moment by one part of the nodes of a lattice from that by all, in standard deviations.
 pub(in crate::closure) fn unevenness(nodes: &SampleNodes, family: &FunctionFamily, masses: &[f64]) -> f64 {
-    let products = Products::of(&family.functions(2));
-    Likelihood { nodes, products: &products, corners: &[], walls: &[] }.unevenness(masses)
+    Likelihood { nodes, space: &family.functions(2), corners: &[], walls: &[] }.unevenness(masses)
 }

@@ -2,10 +2,10 @@
 
 use super::equations::Equations;
 use super::likelihood::{BLOCK, Likelihood, ROWS};
-use super::products::Scratch;
 use super::wall_nodes::WallNodes;
 use crate::estimate::Estimate;
-use crate::numerics::{EIGHT, PointLane, ZEROS, add_gram};
+use crate::functions::Scratch;
+use crate::numerics::{EIGHT, Eight, ZEROS, add_gram};
 use crate::parallel;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
@@ -22,17 +22,17 @@ impl Likelihood<'_> {
         wall: &WallNodes,
         (a, log_mass): (&[f64], f64),
         range: Range<usize>,
-        mut visit: impl FnMut(usize, PointLane, PointLane, &[Scratch; 2]),
+        mut visit: impl FnMut(usize, Eight, Eight, &[Scratch<Eight>; 2]),
     ) {
-        let mut scratch = [self.products.scratch(), self.products.scratch()];
-        let mut lanes = vec![ZEROS; self.products.dimension()];
+        let mut scratch = [Scratch::default(), Scratch::default()];
+        let mut lanes = vec![ZEROS; self.space.dimension()];
         for first in range.clone().step_by(EIGHT) {
             let count = EIGHT.min(range.end - first);
             for (states, scratch) in [&wall.before, &wall.after].into_iter().zip(&mut scratch) {
                 WallNodes::place(states, first, count, &mut lanes);
-                self.products.place_values(&lanes, scratch);
+                self.space.place_values(&lanes, scratch);
             }
-            let [before, after] = scratch.each_ref().map(|scratch| self.products.sum(a, scratch));
+            let [before, after] = scratch.each_ref().map(|scratch| self.combined(a, scratch));
             let (mut weights, mut defects) = (ZEROS, ZEROS);
             for l in 0..count {
                 weights[l] = (before[l] + wall.base[first + l] - log_mass).exp();
@@ -48,8 +48,8 @@ impl Likelihood<'_> {
         let rate = |wall: &WallNodes| {
             let (mut sum, mut square) = (0.0, 0.0);
             self.each_impact(wall, (a, log_mass), 0..wall.base.len(), |_, weights, _, _| {
-                sum += weights.iter().sum::<f64>();
-                square += weights.iter().map(|w| w * w).sum::<f64>();
+                sum += weights.0.iter().sum::<f64>();
+                square += weights.0.iter().map(|w| w * w).sum::<f64>();
             });
             Estimate::new(sum, if wall.drawn { square.sqrt() } else { 0.0 })
         };
@@ -76,7 +76,7 @@ impl Likelihood<'_> {
                             sum.size += p[l];
                         }
                         for k in 0..size {
-                            let [b, f] = [self.products.value(before, k), self.products.value(after, k)];
+                            let [b, f] = [self.space.value(before, k), self.space.value(after, k)];
                             let [left, right, noise] = [&mut left, &mut right, &mut noise]
                                 .map(|table| &mut table.col_as_slice_mut(k)[at..at + EIGHT]);
                             for l in 0..EIGHT {

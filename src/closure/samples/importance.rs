@@ -4,11 +4,11 @@ use super::copula::{Copula, Sampler};
 use super::nest::Nest;
 use super::nest_domain::NestedSampler;
 use super::nodes::SampleNodes;
-use super::products::Products;
-use crate::closure::density::exponent::{Exponent, known_value};
-use crate::closure::space::Corner;
+use crate::closure::density::exponent::Exponent;
+use crate::closure::space::sweep::Function;
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::functions::Scratch;
 use crate::numerics::{EIGHT, ZEROS, exponentials};
 use crate::parallel;
 use crate::record::{Read, positive, states};
@@ -43,15 +43,7 @@ pub(crate) struct ImportanceRule {
     mass: [f64; 2],
     effective: f64,
     #[serde(skip)]
-    products: Products,
-    /// Q in the products, constant first.
-    #[serde(skip)]
-    coefficients: Vec<f64>,
-    /// The walls, behind which there is nothing, and those that make a known part of ln p.
-    #[serde(skip)]
-    corners: Vec<Corner>,
-    #[serde(skip)]
-    known: Vec<Corner>,
+    exponent: Exponent,
 }
 
 /// Points of a lattice in the unit cube under random shifts.
@@ -161,10 +153,7 @@ impl ImportanceRule {
             shift: 0.0,
             mass: [1.0, 0.0],
             effective: 0.0,
-            products: Products::default(),
-            coefficients: Vec::new(),
-            corners: Vec::new(),
-            known: Vec::new(),
+            exponent: Exponent::default(),
         };
         let mut rule = rule.over(exponent);
         let mut top = f64::NEG_INFINITY;
@@ -181,10 +170,7 @@ impl ImportanceRule {
 
     /// The same for this Q.
     fn over(self, exponent: &Exponent) -> Self {
-        let products = Products::of(&exponent.space);
-        let coefficients = std::iter::once(0.0).chain(exponent.coefficients.iter().copied()).collect();
-        let (corners, known) = (exponent.space.corners().to_vec(), exponent.known.clone());
-        ImportanceRule { products, coefficients, corners, known, ..self }
+        ImportanceRule { exponent: Exponent { constant: 0.0, ..exponent.clone() }, ..self }
     }
 
     /// The same for this Q, if its numbers have a meaning.
@@ -237,7 +223,7 @@ impl ImportanceRule {
 
     /// Whether a state is on the side of the motion at every wall.
     fn is_room(&self, x: &[f64]) -> bool {
-        self.corners.iter().all(|corner| corner.gap(x) >= 0.0)
+        self.exponent.space.corners().iter().all(|corner| corner.gap(x) >= 0.0)
     }
 
     /// The mean of a function.
@@ -257,7 +243,7 @@ impl ImportanceRule {
 
     /// The same as nodes, each shift a part of them.
     pub(in crate::closure) fn nodes(&self) -> Result<SampleNodes> {
-        let n = self.products.dimension();
+        let n = self.exponent.space.dimension();
         let sampler = self.sampler(&[])?;
         let scale = (self.shifts.count() as f64).ln();
         let blocks = parallel::map(self.shifts.blocks_in_all(), |block| {
@@ -319,8 +305,8 @@ impl ImportanceRule {
 
     /// The draws of one of all blocks in the trust domain, each with the logarithm of its weight.
     fn block(&self, sampler: &Draws<'_>, block: usize, mut each: impl FnMut(&[f64], f64)) {
-        let n = self.products.dimension();
-        let mut scratch = self.products.scratch();
+        let n = self.exponent.space.dimension();
+        let mut scratch = Scratch::default();
         let mut lanes = vec![ZEROS; n];
         let (mut points, mut logarithms) = (vec![0.0; EIGHT * n], [0.0; EIGHT]);
         let mut flush = |points: &[f64], logarithms: &[f64]| {
@@ -328,10 +314,9 @@ impl ImportanceRule {
             for (l, point) in points.chunks_exact(n).enumerate() {
                 lanes.iter_mut().zip(point).for_each(|(lane, x)| lane[l] = *x);
             }
-            self.products.place_values(&lanes, &mut scratch);
-            let q = self.products.sum(&self.coefficients, &scratch);
-            for ((point, logarithm), q) in points.chunks_exact(n).zip(logarithms).zip(q) {
-                each(point, known_value(&self.known, point) + q - logarithm);
+            let q = self.exponent.at(&lanes, &mut scratch);
+            for ((point, logarithm), q) in points.chunks_exact(n).zip(logarithms).zip(q.0) {
+                each(point, q - logarithm);
             }
         };
         let mut filled = 0;

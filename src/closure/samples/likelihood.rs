@@ -1,12 +1,11 @@
 //! The most likely exponential polynomial with given means, by integrals over draws.
 
 use super::nodes::SampleNodes;
-use super::products::{Products, Scratch};
 use super::wall_nodes::WallNodes;
 use crate::closure::samples::{FEWER, MANY};
-use crate::closure::space::Corner;
 use crate::estimate::Estimate;
-use crate::numerics::{Concave, EIGHT, PointLane, Search, ZEROS, add_gram, definite, exponentials, symmetric};
+use crate::functions::{Corner, Functions, Scratch};
+use crate::numerics::{Concave, EIGHT, Eight, Number, Search, ZEROS, add_gram, definite, exponentials, symmetric};
 use crate::parallel;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef};
@@ -52,7 +51,7 @@ struct PartSums {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Likelihood<'a> {
     pub(super) nodes: &'a SampleNodes,
-    pub(super) products: &'a Products,
+    pub(super) space: &'a Functions,
     /// The walls, and the nodes on each of them.
     pub(super) corners: &'a [Corner],
     pub(super) walls: &'a [WallNodes],
@@ -89,8 +88,8 @@ impl Likelihood<'_> {
     pub(super) fn mean_size(&self, a: &[f64], masses: &[f64]) -> f64 {
         let part = |block: usize| {
             let (p, mut sum) = (run_of(masses, BLOCK, block), 0.0);
-            self.each(block * BLOCK, p.len(), &mut self.products.scratch(), |at, count, scratch| {
-                let delta = self.products.sum(a, scratch);
+            self.each(block * BLOCK, p.len(), &mut Scratch::default(), |at, count, scratch| {
+                let delta = self.combined(a, scratch);
                 sum += (0..count).map(|l| p[at + l] * delta[l].abs()).sum::<f64>();
             });
             sum
@@ -102,8 +101,8 @@ impl Likelihood<'_> {
     pub(super) fn combination(&self, a: &[f64]) -> Vec<f64> {
         let mut q = vec![0.0; self.nodes.base.len()];
         parallel::on_runs(&mut q, BLOCK, |block, q| {
-            self.each(block * BLOCK, q.len(), &mut self.products.scratch(), |at, count, scratch| {
-                q[at..at + count].copy_from_slice(&self.products.sum(a, scratch)[..count]);
+            self.each(block * BLOCK, q.len(), &mut Scratch::default(), |at, count, scratch| {
+                q[at..at + count].copy_from_slice(&self.combined(a, scratch).0[..count]);
             });
         });
         q
@@ -127,7 +126,7 @@ impl Likelihood<'_> {
     pub(super) fn log_mass_by(&self, a: &[f64], masses: &[f64]) -> f64 {
         let heaviest = (0..masses.len()).max_by(|i, k| masses[*i].total_cmp(&masses[*k])).unwrap_or(0);
         let mut q = ZEROS;
-        self.each(heaviest, 1, &mut self.products.scratch(), |_, _, scratch| q = self.products.sum(a, scratch));
+        self.each(heaviest, 1, &mut Scratch::default(), |_, _, scratch| q = self.combined(a, scratch));
         q[0] + self.nodes.base[heaviest] - masses[heaviest].ln()
     }
 
@@ -138,17 +137,17 @@ impl Likelihood<'_> {
 
     /// E φ_k, the constant left out.
     pub(super) fn means(&self, masses: &[f64]) -> Vec<f64> {
-        let size = self.products.len() - 1;
+        let size = self.space.len();
         let part = |block: usize| {
             let (p, mut sums) = (run_of(masses, BLOCK, block), vec![ZEROS; size]);
-            self.each(block * BLOCK, p.len(), &mut self.products.scratch(), |at, count, scratch| {
+            self.each(block * BLOCK, p.len(), &mut Scratch::default(), |at, count, scratch| {
                 let p = lane(&p[at..at + count]);
                 for (k, sum) in sums.iter_mut().enumerate() {
-                    let value = self.products.value(scratch, k + 1);
-                    (0..EIGHT).for_each(|l| sum[l] += p[l] * value[l]);
+                    let value = self.space.value(scratch, k + 1);
+                    *sum += p * value;
                 }
             });
-            sums.iter().map(|sum| sum.iter().sum()).collect()
+            sums.iter().map(|sum| sum.0.iter().sum()).collect()
         };
         let parts: Vec<Vec<f64>> = parallel::map(masses.len().div_ceil(BLOCK), part);
         let mut sums = vec![0.0; size];
@@ -186,7 +185,7 @@ impl Likelihood<'_> {
 
     /// ln ∫ exp(Q) dx, where the nodes' weights are volumes.
     pub(super) fn log_mass(&self, fit: &Fit) -> Option<Estimate> {
-        let zeros = vec![0.0; self.products.len() - 1];
+        let zeros = vec![0.0; self.space.len()];
         let (integral, _) = self.integral(&self.combination(&fit.a))?;
         let parts = self.parts(&fit.masses, &zeros);
         let count = parts.len() as f64;
@@ -208,12 +207,12 @@ impl Likelihood<'_> {
         let part = |(start, end): (usize, usize)| {
             let [sums, squares] = [(); 2].map(|()| vec![0.0; means.len()]);
             let mut part = PartSums { mass: 0.0, sums, squares };
-            let mut scratch = self.products.scratch();
+            let mut scratch = Scratch::default();
             self.each(start, end - start, &mut scratch, |at, count, scratch| {
                 let p = &masses[start + at..start + at + count];
                 part.mass += p.iter().sum::<f64>();
                 for (k, mean) in means.iter().enumerate() {
-                    let value = self.products.value(scratch, k + 1);
+                    let value = self.space.value(scratch, k + 1);
                     for l in 0..count {
                         let off = value[l] - mean;
                         part.sums[k] += p[l] * off;
@@ -244,7 +243,7 @@ impl Likelihood<'_> {
         let stretches = (ROOM / (size * size)).clamp(2, 64);
         let stretch = |blocks: &[usize]| {
             let mut sum = Mat::zeros(size, size);
-            let mut scratch = self.products.scratch();
+            let mut scratch = Scratch::default();
             let mut table = Mat::<f64>::zeros(ROWS, means.len());
             let mut mass = 0.0;
             for &block in blocks {
@@ -275,7 +274,7 @@ impl Likelihood<'_> {
         let stretch = |stretch: usize| {
             let p = run_of(masses, STRETCH, stretch);
             let mut table = Mat::<f64>::zeros(p.len() + EIGHT, means.len());
-            self.centred(stretch * STRETCH, p, means, &mut self.products.scratch(), &mut table);
+            self.centred(stretch * STRETCH, p, means, &mut Scratch::default(), &mut table);
             table.get(..p.len(), ..).qr().thin_R().to_owned()
         };
         let parts: Vec<Mat<f64>> = parallel::map(masses.len().div_ceil(STRETCH), stretch);
@@ -289,12 +288,18 @@ impl Likelihood<'_> {
         parts.into_iter().reduce(stacked).unwrap_or_else(|| Mat::zeros(0, means.len()))
     }
 
+    /// Q at the points placed, the constant first among its coefficients.
+    #[inline(always)]
+    pub(super) fn combined(&self, a: &[f64], scratch: &Scratch<Eight>) -> Eight {
+        self.space.sum(&a[1..], scratch) + a[0]
+    }
+
     /// Fills a table with √p (φ − Eφ) at the draws from `first` on, a row each.
-    fn centred(&self, first: usize, p: &[f64], means: &[f64], scratch: &mut Scratch, table: &mut Mat<f64>) {
+    fn centred(&self, first: usize, p: &[f64], means: &[f64], scratch: &mut Scratch<Eight>, table: &mut Mat<f64>) {
         self.each(first, p.len(), scratch, |at, count, scratch| {
             let root = lane(&p[at..at + count]).map(f64::sqrt);
             for (k, mean) in means.iter().enumerate() {
-                let value = self.products.value(scratch, k + 1);
+                let value = self.space.value(scratch, k + 1);
                 let column = &mut table.col_as_slice_mut(k)[at..at + EIGHT];
                 (0..EIGHT).for_each(|l| column[l] = root[l] * (value[l] - mean));
             }
@@ -303,8 +308,14 @@ impl Likelihood<'_> {
 
     /// Places the functions at `count` draws from `first` on, eight at a time: the place of the first of them, and their
     /// number.
-    fn each(&self, first: usize, count: usize, scratch: &mut Scratch, mut visit: impl FnMut(usize, usize, &Scratch)) {
-        let n = self.products.dimension();
+    fn each(
+        &self,
+        first: usize,
+        count: usize,
+        scratch: &mut Scratch<Eight>,
+        mut visit: impl FnMut(usize, usize, &Scratch<Eight>),
+    ) {
+        let n = self.space.dimension();
         let mut lanes = vec![ZEROS; n];
         for at in (0..count).step_by(EIGHT) {
             let used = EIGHT.min(count - at);
@@ -312,7 +323,7 @@ impl Likelihood<'_> {
                 let x = self.nodes.points.state(first + at + l.min(used - 1));
                 lanes.iter_mut().zip(x).for_each(|(lane, x)| lane[l] = *x);
             }
-            self.products.place_values(&lanes, scratch);
+            self.space.place_values(&lanes, scratch);
             visit(at, used, scratch);
         }
     }
@@ -354,9 +365,9 @@ impl Concave for Towards<'_> {
 }
 
 /// At most eight numbers, and zeros in place of those that are missing.
-pub(super) fn lane(values: &[f64]) -> PointLane {
+pub(super) fn lane(values: &[f64]) -> Eight {
     let mut lane = ZEROS;
-    lane[..values.len()].copy_from_slice(values);
+    lane.0[..values.len()].copy_from_slice(values);
     lane
 }
 

@@ -1,9 +1,8 @@
 //! The means of a density at one time.
 
 use crate::closure::discretisation::nodes;
-use crate::closure::space::Functions;
-use crate::control_variates::regression;
-use crate::numerics::{symmetric, weighted_gram, weighted_sum};
+use crate::functions::Functions;
+use crate::numerics::{regression, symmetric, weighted_gram, weighted_sum};
 use crate::parallel;
 use crate::states::States;
 use faer::{Mat, Scale};

@@ -58,7 +58,6 @@ use super::density::impacts::WallImpacts;
 use super::density::moment::Moment;
 use super::pilot::Pilot;
 use crate::closure::CONVERGING;
-use crate::control_variates::products::{self, Products};
 use crate::estimate::Estimate;
 use crate::numerics::Search;
 use crate::problem::Problem;
@@ -190,11 +189,9 @@ pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'
     let (space, higher) = (family.functions(order), family.compared(order));
     let degrees: Vec<u32> = higher.polynomials()?.exponents().iter().map(|alpha| alpha.iter().sum()).collect();
     let means = Means::new(from, &higher, &degrees)?;
-    let [products, comparing] = [&space, &higher].map(Products::of);
-    let NodalFit { lattice, nodes, fit, .. } =
-        Fitting { samples, means: &means.values }.best([&products, &comparing])?;
-    let likelihood = Likelihood { nodes: &nodes, products: &products, corners: &[], walls: &[] };
-    let comparing = Likelihood { products: &comparing, ..likelihood };
+    let NodalFit { lattice, nodes, fit, .. } = Fitting { samples, means: &means.values }.best([&space, &higher])?;
+    let likelihood = Likelihood { nodes: &nodes, space: &space, corners: &[], walls: &[] };
+    let comparing = Likelihood { space: &higher, ..likelihood };
     let start: Vec<f64> = fit.a.iter().copied().chain(std::iter::repeat(0.0)).take(means.values.len() + 1).collect();
     let above = comparing.most_likely(&means.values, start, ROUGH);
     let l1_estimate = above.map_or(2.0, |above| {
@@ -226,29 +223,28 @@ pub(in crate::closure) fn close_on_samples(samples: Samples<'_>) -> Option<Sampl
     let (space, higher) = (family.functions(order), family.compared(order));
     let corners = family.corners();
     let calibration = CalibratedMeans::new(problem, samples.pilot, family, &higher, space.len())?;
-    let [products, comparing] = [&space, &higher].map(Products::of);
     let fitting = Fitting { samples, means: &calibration.means };
-    let on_lines = fitting.on_lines([&products, &comparing]);
+    let on_lines = fitting.on_lines([&space, &higher]);
     let (NodalFit { lattice, nodes, walls, fit }, nested) = match on_lines {
         Some(OnLines { own: Nested { nest, nodes, fit }, other, above }) => {
             (NodalFit { lattice: None, nodes, walls: Vec::new(), fit }, Some((nest, other, above)))
         }
-        None => (fitting.best([&products, &comparing])?, None),
+        None => (fitting.best([&space, &higher])?, None),
     };
     let covered = family.covered();
-    let likelihood = Likelihood { nodes: &nodes, products: &products, corners, walls: &walls };
+    let likelihood = Likelihood { nodes: &nodes, space: &space, corners, walls: &walls };
     // Under impulses the equations on the nodes would take values of the functions far from all states for those after impulses.
     let struck = !problem.impulses().is_empty();
     let covered = if struck { 0 } else { covered };
     let (l1_estimate, fit) = match &nested {
         Some((_, other, above)) => {
-            let of_other = if *above { comparing } else { Products::of(&family.functions((order - 1) / 2 * 2)) };
-            let other = (&Likelihood { products: &of_other, nodes: &other.nodes, ..likelihood }, &other.fit);
+            let of_other = if *above { higher } else { family.functions((order - 1) / 2 * 2) };
+            let other = (&Likelihood { space: &of_other, nodes: &other.nodes, ..likelihood }, &other.fit);
             (estimate::across([(&likelihood, &fit), other], *above, &calibration)?, fit)
         }
         None => {
             let fit = reconciled(problem, &likelihood, fit, &calibration, covered);
-            let comparing = Likelihood { products: &comparing, ..likelihood };
+            let comparing = Likelihood { space: &higher, ..likelihood };
             (estimate::l1_estimate(problem, [&likelihood, &comparing], &fit, &calibration, covered), fit)
         }
     };
@@ -282,7 +278,7 @@ fn reconciled(
     calibration: &CalibratedMeans,
     covered: usize,
 ) -> Fit {
-    let size = likelihood.products.len() - 1;
+    let size = likelihood.space.len();
     let mut fit = fit;
     if size > covered {
         return fit;

@@ -2,7 +2,7 @@
 
 use super::family::FunctionFamily;
 use crate::closure::density::moment::Moment;
-use crate::closure::space::Functions;
+use crate::functions::Functions;
 use std::collections::HashMap;
 
 /// The moments E x^α of the exponents α of the polynomials among the functions, as far as x^α is a combination of them.

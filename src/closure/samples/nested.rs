@@ -7,13 +7,12 @@ use super::likelihood::{Fit, Likelihood};
 use super::lines::{Lines, within};
 use super::nest::Nest;
 use super::nodes::SampleNodes;
-use super::products::Products;
 use super::thin::thin_state;
 use super::{FunctionFamily, Samples};
 use crate::closure::density::exponent::Exponent;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::UNEVEN;
-use crate::closure::space::Functions;
+use crate::functions::Functions;
 use crate::numerics::Search;
 use crate::states::States;
 
@@ -66,28 +65,26 @@ struct Sheet {
 impl Fitting<'_> {
     /// The fits of two lists of functions on nested nodes, each where its own density has its mass. None without a thin state, or where
     /// the nodes do not resolve the density.
-    pub(super) fn on_lines(&self, [products, comparing]: [&Products; 2]) -> Option<OnLines> {
+    pub(super) fn on_lines(&self, [space, comparing]: [&Functions; 2]) -> Option<OnLines> {
         let Samples { pilot, family, order, .. } = self.samples;
         if !family.corners().is_empty() {
             return None;
         }
-        let mut sheet = Sheet::new(pilot, family, thin_state(&pilot.states, family)?, products.len())?;
+        let mut sheet = Sheet::new(pilot, family, thin_state(&pilot.states, family)?, space.len())?;
         let (mut start, mut below) = (Vec::new(), None);
-        let mut fitted = |space: Functions, products: &Products, search| {
-            sheet.fitted(&space, products, &self.means[..products.len() - 1], &mut start, search)
-        };
+        let mut fitted =
+            |space: &Functions, search| sheet.fitted(space, &self.means[..space.len()], &mut start, search);
         for lower in (2..order).step_by(2) {
-            let space = family.functions(lower);
-            below = Some(fitted(space.clone(), &Products::of(&space), LAYING)?);
+            below = Some(fitted(&family.functions(lower), LAYING)?);
         }
-        let own = fitted(family.functions(order), products, SEARCH)?;
-        let likelihood = Likelihood { nodes: &own.nodes, products: comparing, corners: &[], walls: &[] };
+        let own = fitted(space, SEARCH)?;
+        let likelihood = Likelihood { nodes: &own.nodes, space: comparing, corners: &[], walls: &[] };
         let uneven = likelihood.unevenness(&own.fit.masses);
         if uneven > UNEVEN {
             return None;
         }
         let affordable = (own.nodes.base.len() as f64) < most_nodes(comparing.len());
-        let above = affordable.then(|| fitted(family.compared(order), comparing, LAYING)).flatten();
+        let above = affordable.then(|| fitted(comparing, LAYING)).flatten();
         let above = above.filter(|above| above.fit.converged);
         match (above, below) {
             (Some(other), _) => Some(OnLines { own, other, above: true }),
@@ -145,19 +142,12 @@ impl Sheet {
     }
 
     /// The fit of some functions, from the coefficients of fewer of them on, on lines that are laid where exp(Q) has its mass.
-    fn fitted(
-        &mut self,
-        space: &Functions,
-        products: &Products,
-        means: &[f64],
-        start: &mut Vec<f64>,
-        search: Search,
-    ) -> Option<Nested> {
-        start.resize(products.len(), 0.0);
+    fn fitted(&mut self, space: &Functions, means: &[f64], start: &mut Vec<f64>, search: Search) -> Option<Nested> {
+        start.resize(space.len() + 1, 0.0);
         let (mut ends, mut steps) = (self.lines.ends(self.range), 0);
         for laid in 1.. {
             let (nest, nodes) = self.nodes(ends);
-            let likelihood = Likelihood { nodes: &nodes, products, corners: &[], walls: &[] };
+            let likelihood = Likelihood { nodes: &nodes, space, corners: &[], walls: &[] };
             let fit = likelihood.most_likely(means, start.clone(), LAYING)?;
             steps += fit.steps;
             start.clone_from(&fit.a);

@@ -1,11 +1,11 @@
 //! The pilot's trajectories cut into blocks, with the sums that calibrate its means.
 
 use super::equations::Sites;
-use super::products::{Products, Scratch};
 use super::sums::{LOTS, Sums};
 use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
-use crate::numerics::{EIGHT, PointLane, ZEROS, add_gram};
+use crate::functions::{Functions, Scratch};
+use crate::numerics::{EIGHT, Eight, ZEROS, add_gram};
 use crate::parallel;
 use crate::problem::{Contact, Problem};
 use crate::simulation::{Collisions, Impact};
@@ -45,7 +45,7 @@ pub(super) struct PilotPaths<'a> {
     /// Tests, functions with the statistics of impacts, and functions with covariances.
     pub(super) sizes: [usize; 3],
     /// ψ and φ.
-    pub(super) products: &'a [Products; 2],
+    pub(super) spaces: [&'a Functions; 2],
     /// States of a trajectory, and of a block.
     pub(super) samples: usize,
     pub(super) length: usize,
@@ -55,7 +55,7 @@ impl PilotPaths<'_> {
     /// The sums over the trajectories of a lot, and the means of R and φ over each of them.
     pub(super) fn lot(&self, lot: usize) -> (Sums, Vec<[Vec<f64>; 2]>) {
         let mut sums = Sums::new(self.sizes);
-        let [mut of_tests, mut of_functions] = self.products.each_ref().map(Products::scratch);
+        let [mut of_tests, mut of_functions] = [Scratch::default(), Scratch::default()];
         let blocks = self.samples / self.length;
         let [tests, functions, covered] = self.sizes;
         let mut tables = [tests, functions].map(|size| Mat::<f64>::zeros(blocks, size));
@@ -65,21 +65,21 @@ impl PilotPaths<'_> {
             let [r, phi] = &mut tables;
             let share = (self.length as f64).recip();
             self.each(t, &mut of_tests, |used, at, x, scratch| {
-                let add = |table: &mut Mat<f64>, k: usize, values: PointLane| {
+                let add = |table: &mut Mat<f64>, k: usize, values: Eight| {
                     let column = table.col_as_slice_mut(k);
                     (0..used).for_each(|l| column[(at + l) / self.length] += share * values[l]);
                 };
-                (0..tests).for_each(|k| add(r, k, self.products[0].image(scratch, k + 1)));
-                self.products[1].place_values(x, &mut of_functions);
-                for k in 0..self.products[1].len() - 1 {
-                    add(phi, k, self.products[1].value(&of_functions, k + 1));
+                (0..tests).for_each(|k| add(r, k, self.spaces[0].image(scratch, k + 1)));
+                self.spaces[1].place_values(x, &mut of_functions);
+                for k in 0..self.spaces[1].len() {
+                    add(phi, k, self.spaces[1].value(&of_functions, k + 1));
                 }
             });
             let duration = self.pilot.interval * self.length as f64;
             self.each_jump(t, &mut of_tests, |block, k, jump| r[(block, k)] += jump / duration);
             for (impact, x) in self.impacts(t) {
                 let block = (impact.next - t * self.samples) / self.length;
-                let first = self.products[1].len() - 1 + impact.wall * ImpactStatistics::EACH;
+                let first = self.spaces[1].len() + impact.wall * ImpactStatistics::EACH;
                 for (column, value) in self.statistics.of(-self.contacts[impact.wall].rate(x)) {
                     phi[(block, first + column)] += value / duration;
                 }
@@ -112,9 +112,9 @@ impl PilotPaths<'_> {
     }
 
     /// Visits ψ_k₊ − ψ_k₋ for all tests at the impacts of trajectory `t`: the block, k and the jump.
-    fn each_jump(&self, t: usize, scratch: &mut Scratch, mut visit: impl FnMut(usize, usize, f64)) {
+    fn each_jump(&self, t: usize, scratch: &mut Scratch<Eight>, mut visit: impl FnMut(usize, usize, f64)) {
         let n = self.problem.dimension();
-        let tests = self.products[0].len() - 1;
+        let tests = self.spaces[0].len();
         let impacts: Vec<_> = self.impacts(t).collect();
         let mut before = vec![ZEROS; tests];
         let [mut x, mut after] = [(); 2].map(|()| vec![ZEROS; n]);
@@ -128,13 +128,13 @@ impl PilotPaths<'_> {
                 contact.collide(contact.wall.restitution(), &mut state);
                 after.iter_mut().zip(&state).for_each(|(lane, x)| lane[l] = *x);
             }
-            self.products[0].place_values(&x, scratch);
-            (0..tests).for_each(|k| before[k] = self.products[0].value(scratch, k + 1));
-            self.products[0].place_values(&after, scratch);
+            self.spaces[0].place_values(&x, scratch);
+            (0..tests).for_each(|k| before[k] = self.spaces[0].value(scratch, k + 1));
+            self.spaces[0].place_values(&after, scratch);
             for (l, (impact, _)) in impacts.iter().enumerate() {
                 let block = (impact.next - t * self.samples) / self.length;
                 for (k, before) in before.iter().enumerate() {
-                    visit(block, k, self.products[0].value(scratch, k + 1)[l] - before[l]);
+                    visit(block, k, self.spaces[0].value(scratch, k + 1)[l] - before[l]);
                 }
             }
         }
@@ -142,7 +142,12 @@ impl PilotPaths<'_> {
 
     /// Applies the generator to the tests at the states of trajectory `t`, eight at a time: how many there are, the first of them,
     /// and the states themselves.
-    fn each(&self, t: usize, scratch: &mut Scratch, mut visit: impl FnMut(usize, usize, &[PointLane], &Scratch)) {
+    fn each(
+        &self,
+        t: usize,
+        scratch: &mut Scratch<Eight>,
+        mut visit: impl FnMut(usize, usize, &[Eight], &Scratch<Eight>),
+    ) {
         let n = self.problem.dimension();
         let used = self.samples / self.length * self.length;
         let first = t * self.samples;
@@ -151,9 +156,7 @@ impl PilotPaths<'_> {
             let count = EIGHT.min(used - at);
             let states = &self.pilot.states.values()[(first + at) * n..(first + at + count) * n];
             sites.place(self.problem, states);
-            self.products[0].place(&sites.x, scratch);
-            scratch.first.copy_from_slice(&sites.drift);
-            self.products[0].apply(&sites.diffusion, &sites.coupled, scratch);
+            self.spaces[0].place_images(&sites.x, (&sites.drift, &sites.diffusion), &sites.coupled, scratch);
             visit(count, at, &sites.x, scratch);
         }
     }
@@ -162,13 +165,13 @@ impl PilotPaths<'_> {
     pub(super) fn largest(&self, lambda: &[f64]) -> f64 {
         let blocks = self.samples / self.length;
         let one = |t: usize| {
-            let mut scratch = self.products[0].scratch();
+            let mut scratch = Scratch::default();
             let mut sums = vec![0.0; blocks];
             self.each(t, &mut scratch, |used, at, _, scratch| {
                 let mut along = ZEROS;
                 for (k, c) in lambda.iter().enumerate() {
-                    let image = self.products[0].image(scratch, k + 1);
-                    (0..EIGHT).for_each(|l| along[l] += c * image[l]);
+                    let image = self.spaces[0].image(scratch, k + 1);
+                    along += image * *c;
                 }
                 (0..used).for_each(|l| sums[(at + l) / self.length] += along[l] / self.length as f64);
             });

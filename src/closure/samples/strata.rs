@@ -5,7 +5,7 @@ use super::lattice;
 use super::nodes::SampleNodes;
 use super::wall_nodes::WallNodes;
 use crate::closure::pilot::Pilot;
-use crate::closure::space::Corner;
+use crate::functions::Corner;
 use crate::numerics::Rule;
 use crate::parallel;
 use crate::problem::Contact;

@@ -1,7 +1,6 @@
 //! Sums over blocks of states, and the regression of means on moment equations by them.
 
-use crate::control_variates::regression;
-use crate::numerics::symmetric;
+use crate::numerics::{regression, symmetric};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 

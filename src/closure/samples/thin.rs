@@ -3,7 +3,7 @@
 use super::family::FunctionFamily;
 use crate::closure::discretisation::nodes;
 use crate::closure::space::degrees::Degrees;
-use crate::closure::space::{Functions, Polynomials};
+use crate::functions::{Functions, Polynomials};
 use crate::numerics::{sort_by_number, triangle};
 use crate::states::States;
 use faer::Mat;

@@ -4,8 +4,8 @@ use super::copula::Copula;
 use super::importance::{Shifts, each_draw};
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::WIDENING_AT_WALLS;
-use crate::closure::space::Corner;
-use crate::numerics::{EIGHT, PointLane};
+use crate::functions::Corner;
+use crate::numerics::{EIGHT, Eight};
 use crate::problem::{Contact, Symmetry};
 use crate::states::States;
 
@@ -93,7 +93,7 @@ impl WallNodes {
     }
 
     /// Up to eight of the states from `first` on, in lanes.
-    pub(super) fn place(states: &States, first: usize, count: usize, lanes: &mut [PointLane]) {
+    pub(super) fn place(states: &States, first: usize, count: usize, lanes: &mut [Eight]) {
         for l in 0..EIGHT {
             let x = states.state(first + l.min(count - 1));
             lanes.iter_mut().zip(x).for_each(|(lane, x)| lane[l] = *x);

@@ -1,7 +1,5 @@
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::exponent::Exponent;
-use crate::closure::space::Jet;
-use crate::closure::space::sweep::{self, Differentiable};
 use crate::estimate::Estimate;
 
 /// What the derivative of a density p has at fixed states beside ∂q/∂θ in the coordinate in which walls stand still, at a fixed
@@ -21,7 +19,7 @@ impl Carried {
             return carried;
         }
         let points = &density.nodes;
-        let slopes = sweep::at_jets(density.exponent(), points, |_, gradient, _| gradient[0]);
+        let slopes = density.exponent().gradients(points, |_, gradient| gradient[0]);
         let reference = density.content.reference.as_ref().map(|found| found.slopes(points, 0));
         let of_reference = reference.as_ref().unwrap_or(&slopes);
         let all = points.iter().zip(slopes.iter().zip(of_reference));
@@ -40,9 +38,7 @@ impl Carried {
         if !self.moves() {
             return 0.0;
         }
-        let mut jet = Jet::zero(2);
-        log.jet(x, &mut jet);
-        self.spread(x[0], jet.gradient[0])
+        self.spread(x[0], log.gradient(x)[0])
     }
 
     /// η at a displacement.

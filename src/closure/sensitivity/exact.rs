@@ -3,10 +3,10 @@ use crate::closure::density::ClosureDensity;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::{WallPassage, locals, nodes};
 use crate::closure::projection::tempered;
-use crate::closure::space::Functions;
 use crate::closure::space::orthonormal::Orthonormal;
 use crate::closure::space::sweep;
-use crate::fokker_planck::{FokkerPlanck, Local};
+use crate::fokker_planck::FokkerPlanck;
+use crate::functions::Functions;
 use crate::numerics::{least_norm, weighted_product, weighted_sum};
 use crate::problem::Problem;
 use crate::states::States;
@@ -36,7 +36,7 @@ impl<'a> Newton<'a> {
         let weights: Vec<f64> = density.masses.iter().map(|masses| masses[0]).collect();
         let measure = tempered(&vec![0.0; weights.len()], &weights, 1.0);
         let own = locals(problem, points);
-        let reversed = sweep::at_jets(density.exponent(), points, |i, gradient, _| {
+        let reversed = density.exponent().gradients(points, |i, gradient| {
             let mut reversed = vec![0.0; states];
             own[i].reversed(gradient, &mut reversed);
             reversed
@@ -73,8 +73,7 @@ impl<'a> Newton<'a> {
     pub(super) fn slope(&self, moved: &FokkerPlanck) -> Option<Exponent> {
         let points = &self.density.nodes;
         let moved = moved.locals(points);
-        let residual = |i: usize, gradient: &[f64], hessian: &[f64]| Local::residual(&moved[i], gradient, hessian);
-        let residuals = sweep::at_jets(self.density.exponent(), points, residual);
+        let residuals = self.density.exponent().residuals(points, |i| &moved[i]);
         let source: Vec<f64> = self.measure.iter().zip(residuals).map(|(w, r)| w * r).collect();
         let source = weighted_sum(self.basis.values.as_ref(), &source);
         let right = Col::from_fn(self.space.len(), |k| -source[k + 1]);

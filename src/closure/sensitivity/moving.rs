@@ -1,6 +1,6 @@
-use crate::closure::space::{Corner, GrazingMotion};
 use crate::error::Result;
 use crate::fokker_planck::FokkerPlanck;
+use crate::functions::{Corner, GrazingMotion};
 use crate::problem::{PlaneMotion, Problem};
 
 /// What of a problem moves with a parameter, in the coordinate in which walls stand still.

@@ -2,8 +2,8 @@ use crate::closure::TAILS_POWER;
 use crate::closure::density::ClosureDensity;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::nodes;
-use crate::closure::space::Functions;
 use crate::closure::space::orthonormal::Orthonormal;
+use crate::functions::Functions;
 use crate::numerics::weighted_sum;
 
 /// The fit of Q to ln p̂, linearised: ∫ w (e^{Q − ln p̂} − 1) ψ dx = 0 with a weight w = (1 − λ) p̂ + λ p̂^0.3/Z that moves with p̂. With

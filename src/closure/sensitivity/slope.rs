@@ -1,5 +1,5 @@
 use crate::closure::density::exponent::Exponent;
-use crate::closure::space::GrazingMotion;
+use crate::functions::GrazingMotion;
 use crate::parallel;
 use crate::states::States;
 

@@ -1,5 +1,6 @@
 use crate::checks::{finite, require, state_index};
 use crate::error::Result;
+use crate::functions::HIGHEST;
 use crate::numerics::sort_by_number;
 
 /// Which monomials Q is made of: those whose weighted degree Σ_i w_i α_i is at most the order, with α_i ≤ m_i.
@@ -23,9 +24,7 @@ pub struct Degrees {
     weights: Vec<(usize, f64)>,
 }
 
-/// No rule here is made for polynomials of a higher degree.
-pub(in crate::closure) const HIGHEST: u32 = 30;
-/// Nor are more monomials listed.
+/// No more monomials are listed.
 pub(in crate::closure) const MOST: usize = 1_000_000;
 
 impl Degrees {

@@ -1,6 +1,7 @@
 use super::degrees::Degrees;
 use crate::closure::REFERENCE_EXCESS;
-use crate::closure::space::{Corner, Functions, Polynomials, WallLevel};
+use crate::closure::space::WallLevel;
+use crate::functions::{Corner, Functions, Polynomials};
 use crate::problem::Symmetry;
 
 /// The number of highest degrees of a reference's correction, where the edge of the domain shows as ripples; the correction may

@@ -1,25 +1,19 @@
 //! Functions at many points: eight at a time, on all threads.
 
-use super::{Functions, Jet};
-use crate::numerics::{EIGHT, Eight, Number, stretches};
+use crate::functions::{Functions, Scratch};
+use crate::numerics::{EIGHT, Eight, Number, ZEROS, stretches};
 use crate::parallel;
 use crate::states::States;
-use faer::MatMut;
+use faer::{Mat, MatMut};
 use pulp::{Arch, NullaryFnOnce};
 
 /// Points that a thread takes at a time: their values of a hundred functions stay in a core's cache.
-const STRETCH: usize = 128;
+pub(in crate::closure) const STRETCH: usize = 128;
 
 /// A function of the state.
 pub(in crate::closure) trait Function: Sync {
     /// The value at a point, or at several.
-    fn at<T: Number>(&self, x: &[T]) -> T;
-}
-
-/// A function with derivatives.
-pub(in crate::closure) trait Differentiable: Sync {
-    /// The value with its derivatives at a point, or at several.
-    fn jet<T: Number>(&self, x: &[T], jet: &mut Jet<T>);
+    fn at<T: Number>(&self, x: &[T], scratch: &mut Scratch<T>) -> T;
 }
 
 /// A function at some points.
@@ -48,6 +42,13 @@ pub(in crate::closure) fn tabulate(space: &Functions, points: &States, table: Ma
     });
 }
 
+/// 1, φ₁ … φ_K at some states, one after the other in `x`, one row a state; on this thread.
+pub(in crate::closure) fn rows(space: &Functions, states: usize, x: &[f64]) -> Mat<f64> {
+    let mut table = Mat::zeros(x.len() / states, space.len() + 1);
+    Arch::new().dispatch(TableSweep { space, points: Points { from: x, states }, table: table.as_mut() });
+    table
+}
+
 /// Fills `values` with 1, φ₁ … φ_K and `rates` with their mean rates of change f·∇φ + ½ B:∇∇φ, one row a point; `local` gives f
 /// and B, by rows, at a point.
 pub(in crate::closure) fn tabulate_rates<'a>(
@@ -63,63 +64,32 @@ pub(in crate::closure) fn tabulate_rates<'a>(
     });
 }
 
-/// What `of` makes of each point's number and of the gradient and the Hessian, by rows, of a function there.
-pub(in crate::closure) fn at_jets<R: Send>(
-    function: &impl Differentiable,
-    points: &States,
-    of: impl Fn(usize, &[f64], &[f64]) -> R + Sync,
-) -> Vec<R> {
-    let stretch = |run: usize| {
-        let points = Points::run(points, run);
-        let mut all = Vec::with_capacity(points.len());
-        let mut visit = |i: usize, gradient: &[f64], hessian: &[f64]| {
-            all.push(of(run * STRETCH + i, gradient, hessian));
-        };
-        visit_jets(function, points, &mut visit);
-        all
-    };
-    let parts: Vec<Vec<R>> = parallel::map(points.len().div_ceil(STRETCH), stretch);
-    parts.into_iter().flatten().collect()
-}
-
-/// What is called with the number, the gradient and the Hessian of each point.
-type JetVisit<'a> = &'a mut dyn FnMut(usize, &[f64], &[f64]);
-
-/// Not inlined, so that the derivatives are compiled once and not for each use of them.
-#[inline(never)]
-fn visit_jets(function: &impl Differentiable, points: Points<'_>, visit: JetVisit<'_>) {
-    Arch::new().dispatch(JetSweep { function, points, visit });
-}
-
 /// A stretch of points, state after state.
 #[derive(Clone, Copy)]
-struct Points<'a> {
+pub(in crate::closure) struct Points<'a> {
     from: &'a [f64],
-    states: usize,
+    pub(in crate::closure) states: usize,
 }
 
 impl<'a> Points<'a> {
     /// A run of the points.
-    fn run(points: &'a States, run: usize) -> Self {
+    pub(in crate::closure) fn run(points: &'a States, run: usize) -> Self {
         Points { from: points.run(run, STRETCH), states: points.dimension() }
     }
 
-    fn len(&self) -> usize {
+    pub(in crate::closure) fn len(&self) -> usize {
         self.from.len() / self.states
     }
 
     /// Eight points from `first` on; the last one takes the place of those that are missing.
     #[inline(always)]
-    fn place(&self, first: usize, x: &mut [Eight]) {
+    pub(in crate::closure) fn place(&self, first: usize, x: &mut [Eight]) {
         let last = self.len() - 1;
         for (i, x) in x.iter_mut().enumerate() {
             *x = Eight::from_points(|l| self.from[(first + l).min(last) * self.states + i]);
         }
     }
 }
-
-const ZERO: Eight = Eight([0.0; EIGHT]);
-const ONE: Eight = Eight([1.0; EIGHT]);
 
 struct ValueSweep<'a, F> {
     function: &'a F,
@@ -132,10 +102,10 @@ impl<F: Function> NullaryFnOnce for ValueSweep<'_, F> {
 
     #[inline(always)]
     fn call(self) {
-        let mut x = vec![ZERO; self.points.states];
+        let (mut x, mut scratch) = (vec![ZEROS; self.points.states], Scratch::default());
         for (group, to) in self.to.chunks_mut(EIGHT).enumerate() {
             self.points.place(group * EIGHT, &mut x);
-            let values = self.function.at(&x);
+            let values = self.function.at(&x, &mut scratch);
             to.copy_from_slice(&values.0[..to.len()]);
         }
     }
@@ -151,27 +121,28 @@ impl NullaryFnOnce for SumSweep<'_> {
 
     #[inline(always)]
     fn call(self) -> Vec<f64> {
-        let (mut x, mut values) = (vec![ZERO; self.points.states], vec![ZERO; self.space.len()]);
-        let mut sums = values.clone();
+        let (mut x, mut scratch) = (vec![ZEROS; self.points.states], Scratch::default());
+        let mut sums = vec![ZEROS; self.space.len()];
         for first in (0..self.points.len()).step_by(EIGHT) {
             self.points.place(first, &mut x);
-            self.space.values(&x, &mut values);
+            self.space.place_values(&x, &mut scratch);
             let used = EIGHT.min(self.points.len() - first);
-            for (sum, value) in sums.iter_mut().zip(&values) {
-                for l in 0..used {
-                    sum.0[l] += value.0[l];
-                }
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let value = self.space.value(&scratch, k + 1);
+                (0..used).for_each(|l| sum[l] += value[l]);
             }
         }
         sums.iter().map(|sum| sum.0.iter().sum()).collect()
     }
 }
 
-/// Enters functions at eight points into the rows of a table from `first` on, as far as it has them.
+/// Enters the constant and the functions at eight points, or what they are there, into the rows of a table from `first` on, as far as it
+/// has them.
 #[inline(always)]
-fn enter(table: &mut MatMut<'_, f64>, first: usize, functions: &[Eight]) {
+fn enter(table: &mut MatMut<'_, f64>, first: usize, of: impl Fn(usize) -> Eight) {
     let used = EIGHT.min(table.nrows() - first);
-    for (k, values) in functions.iter().enumerate() {
+    for k in 0..table.ncols() {
+        let values = of(k);
         if let Some(column) = table.as_mut().col_mut(k).try_as_col_major_mut() {
             column.as_slice_mut()[first..first + used].copy_from_slice(&values.0[..used]);
         }
@@ -189,11 +160,11 @@ impl NullaryFnOnce for TableSweep<'_> {
 
     #[inline(always)]
     fn call(mut self) {
-        let (mut x, mut values) = (vec![ZERO; self.points.states], vec![ONE; self.space.len() + 1]);
+        let (mut x, mut scratch) = (vec![ZEROS; self.points.states], Scratch::default());
         for first in (0..self.points.len()).step_by(EIGHT) {
             self.points.place(first, &mut x);
-            self.space.values(&x, &mut values[1..]);
-            enter(&mut self.table, first, &values);
+            self.space.place_values(&x, &mut scratch);
+            enter(&mut self.table, first, |k| self.space.value(&scratch, k));
         }
     }
 }
@@ -211,47 +182,32 @@ impl NullaryFnOnce for Rates<'_, '_> {
 
     #[inline(always)]
     fn call(mut self) {
-        let (states, columns) = (self.points.states, self.space.len() + 1);
-        let (mut x, mut drift, mut diffusion) = (vec![ZERO; states], vec![ZERO; states], vec![ZERO; states * states]);
-        let (mut values, mut rates) = (vec![ONE; columns], vec![ZERO; columns]);
+        let states = self.points.states;
+        let (mut x, mut drift, mut diffusion) =
+            (vec![ZEROS; states], vec![ZEROS; states], vec![ZEROS; states * states]);
+        let (mut coupled, mut scratch) = (Vec::with_capacity(states), Scratch::default());
         for first in (0..self.points.len()).step_by(EIGHT) {
             self.points.place(first, &mut x);
             for l in 0..EIGHT {
                 let (f, b) = (self.local)((first + l).min(self.points.len() - 1));
-                drift.iter_mut().zip(f).for_each(|(to, f)| to.0[l] = *f);
-                diffusion.iter_mut().zip(b).for_each(|(to, b)| to.0[l] = *b);
+                drift.iter_mut().zip(f).for_each(|(to, f)| to[l] = *f);
+                diffusion.iter_mut().zip(b).for_each(|(to, b)| to[l] = *b);
             }
-            self.space.rates(&x, (&drift, &diffusion), &mut values[1..], &mut rates[1..]);
-            enter(&mut self.values, first, &values);
-            enter(&mut self.rates, first, &rates);
+            enter_coupled(&diffusion, states, &mut coupled);
+            self.space.place(&x, &mut scratch);
+            self.space.apply((&drift, &diffusion), &coupled, &mut scratch);
+            enter(&mut self.values, first, |k| self.space.value(&scratch, k));
+            enter(&mut self.rates, first, |k| self.space.image(&scratch, k));
         }
     }
 }
 
-struct JetSweep<'a, F> {
-    function: &'a F,
-    points: Points<'a>,
-    visit: JetVisit<'a>,
-}
-
-impl<F: Differentiable> NullaryFnOnce for JetSweep<'_, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let states = self.points.states;
-        let (mut x, mut jet) = (vec![ZERO; states], Jet::zero(states));
-        let (mut gradient, mut hessian) = (vec![0.0; states], vec![0.0; states * states]);
-        for first in (0..self.points.len()).step_by(EIGHT) {
-            self.points.place(first, &mut x);
-            self.function.jet(&x, &mut jet);
-            for l in 0..EIGHT.min(self.points.len() - first) {
-                gradient.iter_mut().zip(&jet.gradient).for_each(|(to, from)| *to = from.0[l]);
-                hessian.iter_mut().zip(&jet.hessian).for_each(|(to, from)| *to = from.0[l]);
-                (self.visit)(first + l, &gradient, &hessian);
-            }
-        }
-    }
+/// Lists the states i with some B_ij ≠ 0, j ≠ i.
+#[inline(always)]
+pub(in crate::closure) fn enter_coupled(diffusion: &[Eight], states: usize, coupled: &mut Vec<usize>) {
+    let mixed = |i: usize| (0..states).any(|j| j != i && !diffusion[i * states + j].is_zero());
+    coupled.clear();
+    coupled.extend((0..states).filter(|i| mixed(*i)));
 }
 
 #[cfg(test)]
@@ -259,9 +215,10 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
     use crate::closure::density::exponent::Exponent;
-    use crate::closure::space::{Corner, Polynomials, WallLevel};
+    use crate::closure::space::WallLevel;
+    use crate::fokker_planck::Local;
+    use crate::functions::{Corner, Polynomials};
     use crate::problem::Wall;
-    use faer::Mat;
 
     /// Polynomials, and functions next to two walls, with the singular part.
     fn exponents() -> [Exponent; 2] {
@@ -278,7 +235,8 @@ mod tests {
         })
     }
 
-    /// The same bits as at single points, for a number of points that is neither one of stretches nor one of eights.
+    /// The same bits as at single points, for a number of points that is neither one of stretches nor one of eights; gradients and
+    /// residuals are those of differences, with an error of the step squared, 1e-8, times third derivatives, some 1e3 near a wall.
     #[test]
     fn sweeps_agree_with_single_points() {
         let mut points = States::new(2);
@@ -286,23 +244,38 @@ mod tests {
         for exponent in exponents() {
             let (space, count) = (&exponent.space, exponent.space.len());
             let found = values(&exponent, &points);
-            let jets = at_jets(&exponent, &points, |i, gradient, hessian| (i, gradient.to_vec(), hessian.to_vec()));
             let mut tables = [(); 3].map(|()| Mat::zeros(points.len(), count + 1));
             let [table, beside, rates] = &mut tables;
             tabulate(space, &points, table.as_mut());
-            let local: (&[f64], &[f64]) = (&[0.4, -0.9], &[0.5, 0.1, 0.1, 0.8]);
-            tabulate_rates(space, &points, &|_| local, [beside.as_mut(), rates.as_mut()]);
-            let (mut single, mut single_rates) = (vec![0.0; count], vec![0.0; count]);
-            let mut jet = Jet::zero(2);
+            let (f, b) = ([0.4, -0.9], [0.5, 0.1, 0.1, 0.8]);
+            tabulate_rates(space, &points, &|_| (&f, &b), [beside.as_mut(), rates.as_mut()]);
+            let mut local = Local::new(2);
+            (local.drift, local.divergence) = (f.to_vec(), 0.7);
+            local.diffusion.copy_from_slice(&b);
+            let residuals = exponent.linearised(&points, |_| &local, |i, r, slope| (i, r, slope.to_vec()));
+            let mut scratch = Scratch::default();
             for (i, x) in points.iter().enumerate() {
                 assert_eq!(found[i].to_bits(), exponent.value(x).to_bits(), "{x:?}");
-                exponent.jet(x, &mut jet);
-                assert_eq!(jets[i], (i, jet.gradient.clone(), jet.hessian.clone()), "{x:?}");
-                space.rates(x, local, &mut single, &mut single_rates);
-                assert!((0..count).all(|k| beside[(i, k + 1)] == single[k] && rates[(i, k + 1)] == single_rates[k]));
-                space.values(x, &mut single);
-                assert!((0..count).all(|k| table[(i, k + 1)] == single[k]), "{x:?}");
-                assert_eq!([table[(i, 0)], beside[(i, 0)], rates[(i, 0)]], [1.0, 1.0, 0.0]);
+                space.place(x, &mut scratch);
+                space.apply((&f, &b), &[0, 1], &mut scratch);
+                let single = |k: usize| [space.value(&scratch, k), space.image(&scratch, k)];
+                assert!((0..=count).all(|k| [beside[(i, k)], rates[(i, k)]] == single(k)), "{x:?}");
+                assert!((0..=count).all(|k| table[(i, k)] == single(k)[0]), "{x:?}");
+                assert_eq!([table[(i, 0)], rates[(i, 0)]], [1.0, 0.0]);
+                let h = 1e-4;
+                let at = |p: f64, q: f64| exponent.value(&[x[0] + p * h, x[1] + q * h]);
+                let slope = [at(1.0, 0.0) - at(-1.0, 0.0), at(0.0, 1.0) - at(0.0, -1.0)].map(|q| q / (2.0 * h));
+                let bends = [at(1.0, 0.0) + at(-1.0, 0.0), at(0.0, 1.0) + at(0.0, -1.0)]
+                    .map(|q| (q - 2.0 * at(0.0, 0.0)) / (h * h));
+                let mixed = (at(1.0, 1.0) + at(-1.0, -1.0) - at(1.0, -1.0) - at(-1.0, 1.0)) / (4.0 * h * h);
+                let [u, w] = slope;
+                let bent = b[0] * (bends[0] + u * u) + 2.0 * b[1] * (mixed + u * w) + b[3] * (bends[1] + w * w);
+                let r = 0.5 * bent - f[0] * u - f[1] * w - 0.7;
+                let size = 1.0 + u * u + w * w + bends[0].abs() + bends[1].abs() + mixed.abs();
+                assert_eq!(residuals[i].0, i);
+                assert!((residuals[i].1 - r).abs() < 1e-3 * size, "{x:?}: {} and {r}", residuals[i].1);
+                assert!((0..2).all(|k| (residuals[i].2[k] - slope[k]).abs() < 1e-4 * size), "{x:?}");
+                assert_eq!(exponent.gradient(x), residuals[i].2, "{x:?}");
             }
             // Sums of some hundred numbers.
             for (k, sum) in sums(space, &points).into_iter().enumerate() {

@@ -1,9 +1,7 @@
 //! Ladders of functions next to walls.
 
-use super::corner::Kink;
 use super::degrees::Degrees;
-use super::functions::{Block, Functions};
-use super::{Corner, Polynomials};
+use crate::functions::{Block, Corner, Functions, Kink, Polynomials};
 
 /// How many functions of each kind, with A = (w⁶ + (κu)²)^{1/6}, which grows like |w| and u^{1/3}, and z the states beside the gap u and
 /// its rate w.
@@ -99,11 +97,10 @@ impl Functions {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
-    use crate::closure::space::Jet;
-    use crate::fokker_planck::generator;
+    use crate::functions::Scratch;
     use crate::problem::Wall;
 
     const LEVELS: [WallLevel; 3] = [
@@ -116,10 +113,6 @@ pub(super) mod tests {
         Functions::in_a_plane(corners, (&[1.0, 0.0], &[1.5, 4.0]), levels)
     }
 
-    fn functions(corners: Vec<Corner>) -> Functions {
-        of_levels(corners, &LEVELS)
-    }
-
     fn lower() -> Corner {
         Corner::new(Wall::above(-0.5, 0.7).unwrap(), vec![1], 0.2, [3.0, 4.0])
     }
@@ -128,77 +121,24 @@ pub(super) mod tests {
         Corner::new(Wall::below(2.5, 0.9).unwrap(), vec![1], 0.2, [3.0, 4.0])
     }
 
+    /// The constant and the functions at a state.
+    fn values(functions: &Functions, x: &[f64]) -> Vec<f64> {
+        let mut scratch = Scratch::default();
+        functions.place_values(x, &mut scratch);
+        (0..=functions.len()).map(|k| functions.value(&scratch, k)).collect()
+    }
+
     #[test]
     fn levels_are_nested_and_counted() {
         let counts = |corners: &[Corner]| [1, 2, 3].map(|steps| of_levels(corners.to_vec(), &LEVELS[..steps]).len());
         assert_eq!(counts(&[lower()]), [36, 55, 83]);
         assert_eq!(counts(&[lower(), upper()]), [58, 83, 122]);
-        let (all, first) = (functions(vec![lower()]), of_levels(vec![lower()], &LEVELS[..1]));
-        let (mut long, mut short) = ([0.0; 83], [0.0; 36]);
-        all.values(&[0.3, 1.2], &mut long);
-        first.values(&[0.3, 1.2], &mut short);
-        assert_eq!(long[..36], short);
-    }
-
-    /// Values, rates and combinations agree, and are those of the differences. Their error is the step squared, 1e-8,
-    /// times derivatives of the third and fourth order, which are large near the corner: 1e4 of the functions' size.
-    #[test]
-    fn derivatives_are_those_of_the_values() {
-        let functions = functions(vec![lower(), upper()]);
-        let count = functions.len();
-        let h = 1e-4;
-        let at = |x: [f64; 2]| {
-            let mut values = vec![0.0; count];
-            functions.values(&x, &mut values);
-            values
-        };
-        let points = [[0.4, 1.1], [-0.2, -0.7], [2.2, 0.9], [1.0, 0.0], [-0.45, -1.0]];
-        for x in points {
-            let local: (&[f64], &[f64]) = (&[x[1], 0.7], &[0.3, 0.1, 0.1, 0.8]);
-            let (mut values, mut rates) = (vec![0.0; count], vec![0.0; count]);
-            functions.rates(&x, local, &mut values, &mut rates);
-            let moved = |p: f64, q: f64| at([x[0] + p * h, x[1] + q * h]);
-            let [here, e, w, n, s] =
-                [(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)].map(|(p, q)| moved(p, q));
-            let [ne, sw, nw, se] = [(1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0)].map(|(p, q)| moved(p, q));
-            for k in 0..count {
-                assert!((here[k] - values[k]).abs() < 1e-14 * (1.0 + here[k].abs()), "{k}");
-                let mut a = vec![0.0; count];
-                a[k] = 1.0;
-                let mut jet = Jet::zero(2);
-                functions.combine(&x, &a, &mut jet);
-                assert!((functions.sum(&x, &a) - jet.value).abs() < 1e-14 * (1.0 + jet.value.abs()), "{k}");
-                assert!(
-                    (generator(local, &jet.gradient, &jet.hessian) - rates[k]).abs() < 1e-12 * (1.0 + rates[k].abs()),
-                    "{k}"
-                );
-                let slopes = [(e[k] - w[k]) / (2.0 * h), (n[k] - s[k]) / (2.0 * h)];
-                let bends = [(e[k] + w[k] - 2.0 * here[k]) / (h * h), (n[k] + s[k] - 2.0 * here[k]) / (h * h)];
-                let mixed = (ne[k] + sw[k] - nw[k] - se[k]) / (4.0 * h * h);
-                let close = |exact: f64, difference: f64| (exact - difference).abs() < 2e-4 * (1.0 + exact.abs());
-                assert!((0..2).all(|i| close(jet.gradient[i], slopes[i])), "{x:?} {k} {jet:?} {slopes:?}");
-                assert!((0..2).all(|i| close(jet.hessian[3 * i], bends[i])), "{x:?} {k} {jet:?} {bends:?}");
-                assert!(close(jet.hessian[1], mixed) && jet.hessian[1] == jet.hessian[2], "{x:?} {k}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_list_without_functions_is_refused() {
-        assert!(Functions::of(Vec::new(), Vec::new()).checked(2).is_err());
-    }
-
-    #[test]
-    fn the_corner_itself_is_finite() {
-        let functions = functions(vec![lower()]);
-        let mut values = vec![0.0; functions.len()];
-        functions.values(&[-0.5, 0.0], &mut values);
-        assert!(values.iter().all(|value| value.is_finite()));
-        assert!(functions.sum(&[-0.5, 0.0], &vec![1.0; functions.len()]).is_finite());
+        let [all, first] = [3, 1].map(|steps| values(&of_levels(vec![lower()], &LEVELS[..steps]), &[0.3, 1.2]));
+        assert_eq!(all[..37], first);
     }
 
     /// Four states (x, y, u, v), a wall below x and one between the bodies, which have the velocities u and v.
-    pub(in crate::closure::space) fn functions_of_four() -> Functions {
+    fn functions_of_four() -> Functions {
         let between = Wall::below(1.5, 0.7).unwrap().between([0, 1], [1.0, 2.0]).unwrap();
         let corners = vec![
             Corner::new(Wall::above(-0.5, 0.8).unwrap(), vec![2], 0.2, [3.0, 4.0]),
@@ -209,9 +149,6 @@ pub(super) mod tests {
         let sides: (&[f64], &[f64]) = (&[0.5, 0.1, 0.0, 0.2], &[2.0, 2.5, 4.0, 3.0]);
         Functions::next_to_walls(corners, sides, &[level(2, 1, 3, 1), level(4, 2, 4, 2)], polynomials)
     }
-
-    pub(in crate::closure::space) const POINTS: [[f64; 4]; 3] =
-        [[0.4, -0.3, 1.1, -0.8], [-0.3, 0.2, -0.7, 0.5], [1.2, 0.1, 0.6, 1.3]];
 
     /// Kinks A u^i w^j z^a of a total degree up to m in the gap, its rate and two more states: C(m + 4, 4); of the angular
     /// functions with d = 1, 2 those with j = 0 … J but d and d − 1, and 3 or 6 polynomials of the other two states.
@@ -225,40 +162,79 @@ pub(super) mod tests {
         assert_eq!(functions.dimension(), 4);
     }
 
-    /// Rates and combinations agree, and gradients are those of the differences, whose error is the step squared times third
-    /// derivatives.
-    #[test]
-    fn derivatives_in_four_states_are_those_of_the_values() {
-        let functions = functions_of_four();
-        let count = functions.len();
-        let local: (&[f64], &[f64]) = (&[1.1, -0.8, 0.3, -0.6], &{
-            let mut b = [0.0; 16];
-            (b[10], b[11], b[14], b[15]) = (0.5, 0.2, 0.2, 0.7);
-            b
-        });
-        for x in POINTS {
-            let [mut values, mut rates, mut plain] = [(); 3].map(|()| vec![0.0; count]);
-            functions.rates(&x, local, &mut values, &mut rates);
-            functions.values(&x, &mut plain);
-            for k in 0..count {
-                let mut a = vec![0.0; count];
-                a[k] = 1.0;
-                let mut jet = Jet::zero(4);
-                functions.combine(&x, &a, &mut jet);
-                let size = 1.0 + jet.value.abs() + rates[k].abs();
-                assert!((jet.value - values[k]).abs() + (plain[k] - values[k]).abs() < 1e-13 * size, "{k}");
-                assert!((functions.sum(&x, &a) - values[k]).abs() < 1e-13 * size, "{k}");
-                assert!((generator(local, &jet.gradient, &jet.hessian) - rates[k]).abs() < 1e-12 * size, "{k}");
-                for i in 0..4 {
-                    let moved = |h: f64| {
-                        let mut y = x;
-                        y[i] += h;
-                        functions.sum(&y, &a)
-                    };
-                    let difference = (moved(1e-5) - moved(-1e-5)) / 2e-5;
-                    assert!((difference - jet.gradient[i]).abs() < 1e-6 * (1.0 + jet.gradient[i].abs()), "{k} {i}");
-                }
+    /// Gradients and images are those of the differences. Their error is the step squared, 1e-8, times derivatives of the third
+    /// and fourth order, which are large near a corner, 1e4 of the functions' size; rounding is 1e-16 of the functions over the
+    /// step squared, 1e-8 of them. The noises of the two bodies are correlated, or not: a kink between them has the velocities of both.
+    fn assert_derivatives<const N: usize>(
+        functions: &Functions,
+        points: &[[f64; N]],
+        drift: [f64; N],
+        b: &[[f64; N]; N],
+    ) {
+        let h = 1e-4;
+        let coupled: Vec<usize> = (0..N).filter(|&i| (0..N).any(|j| j != i && b[i][j] != 0.0)).collect();
+        for x in points {
+            let moved = |i: usize, p: f64, j: usize, q: f64| {
+                let mut y = *x;
+                y[i] += p * h;
+                y[j] += q * h;
+                values(functions, &y)
+            };
+            let here = values(functions, x);
+            let along: Vec<[Vec<f64>; 2]> = (0..N).map(|i| [1.0, -1.0].map(|p| moved(i, p, i, 0.0))).collect();
+            let across = |i: usize, j: usize| {
+                let [pp, mm, pm, mp] =
+                    [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)].map(|(p, q)| moved(i, p, j, q));
+                (0..here.len()).map(|k| (pp[k] + mm[k] - pm[k] - mp[k]) / (4.0 * h * h)).collect::<Vec<f64>>()
+            };
+            let bends: Vec<Vec<Vec<f64>>> = (0..N)
+                .map(|i| (0..N).map(|j| if i == j || b[i][j] == 0.0 { Vec::new() } else { across(i, j) }).collect())
+                .collect();
+            let mut scratch = Scratch::default();
+            functions.place(x, &mut scratch);
+            functions.apply((&drift, b.as_flattened()), &coupled, &mut scratch);
+            let images: Vec<f64> = (0..here.len()).map(|k| functions.image(&scratch, k)).collect();
+            for k in 1..here.len() {
+                let slope = |i: usize| (along[i][0][k] - along[i][1][k]) / (2.0 * h);
+                let bend = |i: usize, j: usize| match (i == j, b[i][j] != 0.0) {
+                    (true, _) => (along[i][0][k] + along[i][1][k] - 2.0 * here[k]) / (h * h),
+                    (false, true) => bends[i][j][k],
+                    (false, false) => 0.0,
+                };
+                let pairs = || (0..N).flat_map(|i| (0..N).map(move |j| (i, j)));
+                let image = (0..N).map(|i| drift[i] * slope(i)).sum::<f64>()
+                    + pairs().map(|(i, j)| 0.5 * b[i][j] * bend(i, j)).sum::<f64>();
+                let size = 1.0 + here[k].abs() + pairs().map(|(i, j)| bend(i, j).abs()).fold(0.0, f64::max);
+                assert!((images[k] - image).abs() < 2e-4 * size, "{x:?} {k}: {} and {image}", images[k]);
+                let mut a = vec![0.0; functions.len()];
+                a[k - 1] = 1.0;
+                functions.gradient(&a, &mut scratch);
+                assert!((0..N).all(|i| (scratch.gradient[i] - slope(i)).abs() < 2e-4 * size), "{x:?} {k}");
+                assert!((functions.sum(&a, &scratch) - here[k]).abs() < 1e-14 * (1.0 + here[k].abs()), "{x:?} {k}");
             }
         }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_values() {
+        let plane = of_levels(vec![lower(), upper()], &LEVELS);
+        let points = [[0.4, 1.1], [-0.2, -0.7], [2.2, 0.9], [1.0, 0.0], [-0.45, -1.0]];
+        assert_derivatives(&plane, &points, [1.1, 0.7], &[[0.3, 0.1], [0.1, 0.8]]);
+        let points = [[0.4, -0.3, 1.1, -0.8], [-0.3, 0.2, -0.7, 0.5], [1.2, 0.1, 0.6, 1.3]];
+        for mixed in [0.2, 0.0] {
+            let b = [[0.0; 4], [0.0; 4], [0.0, 0.0, 0.5, mixed], [0.0, 0.0, mixed, 0.7]];
+            assert_derivatives(&functions_of_four(), &points, [1.1, -0.8, 0.3, -0.6], &b);
+        }
+    }
+
+    #[test]
+    fn a_list_without_functions_is_refused() {
+        assert!(Functions::of(Vec::new(), Vec::new()).checked(2).is_err());
+    }
+
+    #[test]
+    fn the_corner_itself_is_finite() {
+        let functions = of_levels(vec![lower()], &LEVELS);
+        assert!(values(&functions, &[-0.5, 0.0]).iter().all(|value| value.is_finite()));
     }
 }

@@ -1,6 +1,4 @@
 use crate::closure::density::exponent::Exponent;
-use crate::closure::space::Jet;
-use crate::closure::space::sweep::Differentiable;
 
 /// How displacements move with walls, x_i′ = η_i(x_i), so that ∂ ln p/∂θ at fixed states has −Σ_i (η_i′ + η_i ∂_i ln p) beside that in the
 /// coordinates in which walls stand still.
@@ -45,8 +43,7 @@ impl Displaced {
         if !self.moves() {
             return 0.0;
         }
-        let mut jet = Jet::zero(x.len());
-        log.jet(x, &mut jet);
-        -self.shift.iter().map(|(i, [_, slope])| slope + self.rate(*i, x[*i]) * jet.gradient[*i]).sum::<f64>()
+        let gradient = log.gradient(x);
+        -self.shift.iter().map(|(i, [_, slope])| slope + self.rate(*i, x[*i]) * gradient[*i]).sum::<f64>()
     }
 }

@@ -3,9 +3,8 @@ use super::walk::{Moved, PilotWalk};
 use super::weights::{CalibrationWeights, SETS};
 use crate::closure::dynamics::Dynamics;
 use crate::closure::space::degrees::Degrees;
-use crate::closure::space::{GrazingMotion, Polynomials};
 use crate::closure::{BLOCKS_EACH, LEAST_BLOCKS, LENGTH_AT_WALLS, MOST_FUNCTIONS, PILOT_TRAJECTORIES};
-use crate::control_variates::products::Products;
+use crate::functions::{Functions, GrazingMotion};
 use crate::numerics::sort_by_number;
 use crate::problem::{Contact, Problem, StillMotion, Symmetry};
 use faer::linalg::matmul::matmul;
@@ -42,7 +41,7 @@ struct SourceTerm {
 /// What the equations are made on.
 pub(super) struct EquationGround {
     pub(super) symmetry: Symmetry,
-    products: Products,
+    space: Functions,
     contacts: Vec<Contact>,
     lower: usize,
     length: usize,
@@ -65,10 +64,10 @@ impl EquationGround {
         let half_width: Vec<f64> = (0..centre.len()).map(farthest).collect();
         let ground = |(degree, exponents): (u32, Vec<Vec<u32>>)| {
             let lower = exponents.iter().filter(|alpha| alpha.iter().sum::<u32>() + 2 <= degree).count();
-            let products = Products::new(&Polynomials::new(centre.clone(), half_width.clone(), exponents));
-            let images = products.images(&problem.operator().impulse_terms())?;
-            let (products, contacts) = (products.struck(images), contacts.clone());
-            Some(EquationGround { symmetry: symmetry.clone(), products, contacts, lower, length })
+            let space = Functions::on_box(&centre, &half_width, &exponents);
+            let images = space.images(&problem.operator().impulse_terms())?;
+            let (space, contacts) = (space.struck(images), contacts.clone());
+            Some(EquationGround { symmetry: symmetry.clone(), space, contacts, lower, length })
         };
         let degrees = functions(problem, &symmetry, blocks);
         degrees.into_iter().rev().take(2).map(ground).collect()
@@ -98,7 +97,7 @@ impl<'a> StateEquations<'a> {
         let (problem, pilot) = (motion.problem(), motion.pilot()?);
         let (length, contacts) = (ground.length, &ground.contacts[..]);
         let used = pilot.samples() / length * length;
-        let walk = PilotWalk { problem, pilot, products: &ground.products, contacts, used, length };
+        let walk = PilotWalk { problem, pilot, space: &ground.space, contacts, used, length };
         let calibration = CalibrationWeights::new(&walk)?;
         let count = walk.functions();
         let zero =
@@ -151,7 +150,7 @@ impl<'a> StateEquations<'a> {
     /// combinations of the functions.
     fn tested(&self, motion: &StillMotion) -> Option<Mat<f64>> {
         let (walk, count) = (self.walk, self.walk.functions());
-        let moved = Moved::new(motion, walk.contacts, walk.products)?;
+        let moved = Moved::new(motion, walk.contacts, walk.space)?;
         let lots = walk.lots(
             || Mat::zeros(count, COLUMNS),
             |sums, [_, t], place| add_product(sums, &walk.moved(&moved, t, place), &self.measure(t)),

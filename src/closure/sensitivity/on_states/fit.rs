@@ -1,14 +1,12 @@
-use super::rows::Rows;
 use crate::closure::density::exponent::Exponent;
 use crate::closure::sensitivity::slope::Slope;
-use crate::closure::space::{Functions, GrazingMotion};
-use crate::control_variates::products::Products;
-use crate::numerics::{EIGHT, definite, symmetric, weighted_gram, weighted_sum};
+use crate::closure::space::sweep;
+use crate::functions::{Functions, GrazingMotion};
+use crate::numerics::{definite, symmetric, weighted_gram, weighted_sum};
 use crate::parallel;
 use crate::states::States;
 use faer::Mat;
 use faer::linalg::solvers::{Llt, Solve};
-use pulp::Arch;
 
 /// States whose functions are tabulated together.
 const STRETCH: usize = 4096;
@@ -16,7 +14,6 @@ const STRETCH: usize = 4096;
 /// The most likely exponential polynomial, linearised: E_p̃ φ = E φ for its functions φ, so that Cov_p̃(φ) c′ = dE φ/dθ.
 pub(super) struct Likely<'a> {
     space: Functions,
-    products: Products,
     /// p̃ by its masses on nodes or draws.
     points: &'a States,
     masses: &'a [f64],
@@ -27,12 +24,11 @@ pub(super) struct Likely<'a> {
 impl<'a> Likely<'a> {
     /// None where the functions are linearly dependent on the points.
     pub(super) fn new(space: Functions, points: &'a States, masses: &'a [f64]) -> Option<Self> {
-        let products = Products::of(&space);
         let count = space.len();
         // The constant's column makes the means.
         let parts = parallel::map(points.len().div_ceil(STRETCH), |run| {
             let (x, masses) = (points.run(run, STRETCH), run_of(masses, run));
-            weighted_gram(table(&products, points.dimension(), x).as_ref(), masses, &vec![0.0; count + 1])
+            weighted_gram(sweep::rows(&space, points.dimension(), x).as_ref(), masses, &vec![0.0; count + 1])
         });
         let mut gram = Mat::zeros(count + 1, count + 1);
         parts.iter().for_each(|part| gram += part);
@@ -40,7 +36,7 @@ impl<'a> Likely<'a> {
         let whole = gram[(0, 0)];
         let means: Vec<f64> = (1..=count).map(|k| gram[(k, 0)] / whole).collect();
         let covariance = Mat::from_fn(count, count, |k, l| gram[(k + 1, l + 1)] / whole - means[k] * means[l]);
-        Some(Likely { space, products, points, masses, means, covariance: definite(covariance)? })
+        Some(Likely { space, points, masses, means, covariance: definite(covariance)? })
     }
 
     /// ∂ ln p̃/∂θ from the derivative's masses on states, given what moves in the singular parts next to walls:
@@ -65,7 +61,7 @@ impl<'a> Likely<'a> {
     /// The sums of the constant and of the functions over masses on states.
     fn sums(&self, states: &States, masses: &[f64]) -> Vec<f64> {
         let parts = parallel::map(states.len().div_ceil(STRETCH), |run| {
-            let table = table(&self.products, states.dimension(), states.run(run, STRETCH));
+            let table = sweep::rows(&self.space, states.dimension(), states.run(run, STRETCH));
             weighted_sum(table.as_ref(), run_of(masses, run))
         });
         (0..=self.space.len()).map(|k| parts.iter().map(|part| part[k]).sum()).collect()
@@ -85,20 +81,4 @@ impl<'a> Likely<'a> {
 /// The masses of a run of states.
 fn run_of(masses: &[f64], run: usize) -> &[f64] {
     &masses[run * STRETCH..masses.len().min((run + 1) * STRETCH)]
-}
-
-/// The constant and the functions at some states, one after the other in `x`.
-fn table(products: &Products, n: usize, x: &[f64]) -> Mat<f64> {
-    let count = x.len() / n;
-    let mut table = Mat::zeros(count, products.len());
-    let (arch, mut scratch) = (Arch::new(), products.scratch());
-    let mut lanes = vec![[0.0; EIGHT]; n];
-    for at in (0..count).step_by(EIGHT) {
-        for (i, lane) in lanes.iter_mut().enumerate() {
-            *lane = std::array::from_fn(|l| x[(at + l).min(count - 1) * n + i]);
-        }
-        let (rows, scratch, table) = (&(at..count.min(at + EIGHT)), &mut scratch, table.as_mut());
-        arch.dispatch(Rows { products, first: 0, x: &lanes, operator: None, scratch, rows, table });
-    }
-    table
 }

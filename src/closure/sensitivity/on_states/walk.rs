@@ -2,9 +2,8 @@ use super::rows::{OperatorParts, Rows, enter};
 use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::Sites;
-use crate::control_variates::impulses::ImpulseImages;
-use crate::control_variates::products::{Products, Scratch};
-use crate::numerics::{EIGHT, PointLane, ZEROS};
+use crate::functions::{Functions, ImpulseImages, Scratch};
+use crate::numerics::{EIGHT, Eight, ZEROS};
 use crate::parallel;
 use crate::polynomial::Polynomial;
 use crate::problem::{Contact, Problem, StillMotion};
@@ -24,7 +23,7 @@ pub(super) const LOTS: usize = 32;
 pub(super) struct PilotWalk<'a> {
     pub(super) problem: &'a Problem,
     pub(super) pilot: &'a Pilot,
-    pub(super) products: &'a Products,
+    pub(super) space: &'a Functions,
     pub(super) contacts: &'a [Contact],
     /// The states of a trajectory that are used, a whole number of blocks.
     pub(super) used: usize,
@@ -45,7 +44,7 @@ pub(super) struct Moved {
 
 impl Moved {
     /// None where the images under impulses are no combinations of the functions.
-    pub(super) fn new(motion: &StillMotion, contacts: &[Contact], products: &Products) -> Option<Self> {
+    pub(super) fn new(motion: &StillMotion, contacts: &[Contact], space: &Functions) -> Option<Self> {
         let operator = &motion.operator;
         let given = |entries: Vec<&Polynomial>| {
             entries.into_iter().cloned().enumerate().filter(|(_, entry)| !entry.is_zero()).collect()
@@ -55,7 +54,7 @@ impl Moved {
             drift: given(operator.drift().iter().collect()),
             diffusion: given(diffusion),
             coupled: operator.coupled(),
-            impulses: products.images(&operator.impulse_terms())?,
+            impulses: space.images(&operator.impulse_terms())?,
             walls: contacts
                 .iter()
                 .zip(&motion.restitution)
@@ -68,19 +67,19 @@ impl Moved {
 /// Room for the functions at eight states, and which of a trajectory's states these are.
 pub(super) struct WalkBuffers {
     arch: Arch,
-    x: Vec<PointLane>,
+    x: Vec<Eight>,
     sites: Sites,
-    scratch: Scratch,
-    moved: [Vec<PointLane>; 2],
+    scratch: Scratch<Eight>,
+    moved: [Vec<Eight>; 2],
     /// The states before and after eight impacts.
-    ends: [Vec<PointLane>; 2],
+    ends: [Vec<Eight>; 2],
     pub(super) rows: Range<usize>,
 }
 
 impl<'a> PilotWalk<'a> {
     /// The number of functions, without the constant.
     pub(super) fn functions(&self) -> usize {
-        self.products.len() - 1
+        self.space.len()
     }
 
     /// The first of a trajectory's states among all of them.
@@ -132,7 +131,7 @@ impl<'a> PilotWalk<'a> {
                 arch: Arch::new(),
                 x: vec![ZEROS; n],
                 sites: Sites::new(self.problem, &[]),
-                scratch: self.products.scratch(),
+                scratch: Scratch::default(),
                 moved: [vec![ZEROS; n], vec![ZEROS; n * n]],
                 ends: [vec![ZEROS; n], vec![ZEROS; n]],
                 rows: 0..0,
@@ -181,7 +180,7 @@ impl<'a> PilotWalk<'a> {
     pub(super) fn images(&self, t: usize, place: &mut WalkBuffers) -> Mat<f64> {
         let mut table = Mat::zeros(self.rows(t), self.functions());
         self.each(t, place, |place| self.enter_images(t, place, table.as_mut()));
-        let mut after = vec![ZEROS; self.products.len()];
+        let mut after = vec![ZEROS; self.space.len() + 1];
         self.each_impacts(t, place, |place, _| self.enter_jumps(place, &mut after, table.as_mut()));
         table
     }
@@ -217,13 +216,13 @@ impl<'a> PilotWalk<'a> {
     }
 
     /// The jumps of the functions at impacts, with room for their values after these.
-    fn enter_jumps(&self, place: &mut WalkBuffers, after: &mut [PointLane], table: MatMut<'_, f64>) {
-        self.products.place_values(&place.ends[1], &mut place.scratch);
-        after.iter_mut().enumerate().for_each(|(k, lane)| *lane = self.products.value(&place.scratch, k));
-        self.products.place_values(&place.ends[0], &mut place.scratch);
+    fn enter_jumps(&self, place: &mut WalkBuffers, after: &mut [Eight], table: MatMut<'_, f64>) {
+        self.space.place_values(&place.ends[1], &mut place.scratch);
+        after.iter_mut().enumerate().for_each(|(k, lane)| *lane = self.space.value(&place.scratch, k));
+        self.space.place_values(&place.ends[0], &mut place.scratch);
         enter(&place.rows, table, |k| {
-            let before = self.products.value(&place.scratch, 1 + k);
-            std::array::from_fn(|l| after[1 + k][l] - before[l])
+            let before = self.space.value(&place.scratch, 1 + k);
+            after[1 + k] - before
         });
     }
 
@@ -244,17 +243,16 @@ impl<'a> PilotWalk<'a> {
             drift.iter_mut().zip(elastic.iter().zip(&lost)).for_each(|(lane, (x, y))| lane[l] = restitution * (x - y));
             stretching[l] = slope;
         }
-        self.products.place(&place.ends[1], &mut place.scratch);
-        place.scratch.first.copy_from_slice(drift);
-        self.products.apply(diffusion, &[], &mut place.scratch);
+        self.space.place(&place.ends[1], &mut place.scratch);
+        self.space.apply((drift, diffusion), &[], &mut place.scratch);
         enter(&place.rows, table.as_mut(), |k| {
             let (scratch, k) = (&place.scratch, 1 + k);
-            let (image, value) = (self.products.image(scratch, k), self.products.value(scratch, k));
-            std::array::from_fn(|l| image[l] - stretching[l] * value[l])
+            let (image, value) = (self.space.image(scratch, k), self.space.value(scratch, k));
+            image - stretching * value
         });
-        self.products.place_values(&place.ends[0], &mut place.scratch);
+        self.space.place_values(&place.ends[0], &mut place.scratch);
         for k in 0..self.functions() {
-            let value = self.products.value(&place.scratch, k + 1);
+            let value = self.space.value(&place.scratch, k + 1);
             place.rows.clone().enumerate().for_each(|(l, row)| table[(row, k)] += stretching[l] * value[l]);
         }
     }
@@ -264,8 +262,7 @@ impl<'a> PilotWalk<'a> {
         let WalkBuffers { x, sites, scratch, rows, arch, .. } = place;
         let [begin, end] = [rows.start, rows.end].map(|row| (self.first(t) + row) * x.len());
         sites.place(self.problem, &self.pilot.states.values()[begin..end]);
-        scratch.first.copy_from_slice(&sites.drift);
-        let operator = (&sites.diffusion[..], &sites.coupled[..], self.products.impulses());
+        let operator = ((&sites.drift[..], &sites.diffusion[..]), &sites.coupled[..], self.space.impulses());
         self.enter_rows(*arch, x, Some(operator), (scratch, rows), table);
     }
 
@@ -279,8 +276,7 @@ impl<'a> PilotWalk<'a> {
             moved.drift.iter().for_each(|(i, f)| drift[*i][l] = f.evaluate(&state));
             moved.diffusion.iter().for_each(|(ij, b)| diffusion[*ij][l] = b.evaluate(&state));
         }
-        scratch.first.copy_from_slice(drift);
-        let operator = (&diffusion[..], &moved.coupled[..], &moved.impulses);
+        let operator = ((&drift[..], &diffusion[..]), &moved.coupled[..], &moved.impulses);
         self.enter_rows(*arch, x, Some(operator), (scratch, rows), table);
     }
 
@@ -288,11 +284,11 @@ impl<'a> PilotWalk<'a> {
     fn enter_rows(
         &self,
         arch: Arch,
-        x: &[PointLane],
+        x: &[Eight],
         operator: Option<OperatorParts<'_>>,
-        (scratch, rows): (&mut Scratch, &Range<usize>),
+        (scratch, rows): (&mut Scratch<Eight>, &Range<usize>),
         table: MatMut<'_, f64>,
     ) {
-        arch.dispatch(Rows { products: self.products, first: 1, x, operator, scratch, rows, table });
+        arch.dispatch(Rows { space: self.space, x, operator, scratch, rows, table });
     }
 }

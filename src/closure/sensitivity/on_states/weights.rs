@@ -1,6 +1,5 @@
 use super::walk::{LOTS, PilotWalk};
-use crate::control_variates::regression;
-use crate::numerics::add_gram;
+use crate::numerics::{add_gram, regression};
 use faer::{Mat, MatRef, Scale};
 
 /// The weights of all states, and what leaving out each lot changes in them.

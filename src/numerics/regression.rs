@@ -1,4 +1,4 @@
-use crate::numerics::definite;
+use super::definite;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 

@@ -103,9 +103,8 @@ fn powers(highest: usize) -> Vec<Vec<f64>> {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
-    use crate::control_variates::products::Products;
     use crate::fokker_planck::Impulse;
-    use crate::numerics::{EIGHT, PointLane};
+    use crate::functions::{Functions, Scratch};
     use crate::polynomial::monomials;
     use crate::system::{Amplitude, PoissonImpulses};
 
@@ -128,12 +127,11 @@ mod tests {
         exponents.retain(|alpha| alpha.iter().any(|power| *power > 0));
         let (centre, half_width) = ([0.4, -0.2], [2.0, 3.0]);
         let found = images(&impulses.each_ref().map(ImpulseTerm::of), (&centre, &half_width), &exponents).unwrap();
-        let products = Products::on_box(&centre, &half_width, &exponents);
+        let functions = Functions::on_box(&centre, &half_width, &exponents);
         let values = |x: [f64; 2]| {
-            let mut scratch = products.scratch();
-            let lanes: Vec<PointLane> = x.iter().map(|x| [*x; EIGHT]).collect();
-            products.place_values(&lanes, &mut scratch);
-            (0..=exponents.len()).map(|k| products.value(&scratch, k)[0]).collect::<Vec<f64>>()
+            let mut scratch = Scratch::default();
+            functions.place_values(&x, &mut scratch);
+            (0..=exponents.len()).map(|k| functions.value(&scratch, k)).collect::<Vec<f64>>()
         };
         for x in [[0.3, 1.2], [-1.1, 2.0]] {
             let own = values(x);
