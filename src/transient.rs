@@ -1,12 +1,12 @@
 //! Where transient densities start, what they are at each time, and the modes in which they die, for every method.
 
 use crate::checks::{dimension, finite, positive, require};
-use crate::density::{Density, Frame};
+use crate::density::Density;
 use crate::envelope::Envelope;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::sort_by_number;
-use crate::polynomial::Gaussian;
+use crate::polynomial::{Frame, Gaussian};
 use std::fmt;
 use std::sync::Arc;
 

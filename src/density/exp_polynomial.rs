@@ -1,9 +1,9 @@
 use super::tensor::{Section, TensorRule};
-use super::{Crossing, Density, Frame, Support, escape_direction, moderate, pair, summary};
+use super::{Crossing, Density, Support, escape_direction, moderate, pair, summary};
 use crate::checks::{coordinate, dimension, finite, point, positive};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::polynomial::{Gaussian, Polynomial, total_degree};
+use crate::polynomial::{Frame, Gaussian, Polynomial, total_degree};
 use crate::provenance::{CLOSED_FORM, Provenance};
 use crate::record::Read;
 use nalgebra::{DMatrix, DVector};

@@ -3,7 +3,6 @@
 mod cell;
 mod evidence;
 mod exp_polynomial;
-mod frame;
 mod leading_form;
 mod summary;
 mod support;
@@ -12,7 +11,6 @@ mod tensor;
 pub(crate) use cell::{Cell, lines as cell_lines};
 pub(crate) use evidence::{Counted, CountedImpacts, Evidence, Sampled, Values, central};
 pub use exp_polynomial::ExpPolynomial;
-pub(crate) use frame::Frame;
 pub(crate) use leading_form::escape_direction;
 pub(crate) use summary::summary;
 pub use support::Support;

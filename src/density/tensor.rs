@@ -6,10 +6,10 @@
 //! rules, which take few nodes for a direction in which the density is normal. Each axis is refined on its own until the
 //! integral stops changing. Three nodes at least make means of fourth powers right.
 
-use super::{Crossing, Frame, Support};
+use super::{Crossing, Support};
 use crate::error::{Error, Result};
 use crate::numerics::Rule;
-use crate::polynomial::Polynomial;
+use crate::polynomial::{Frame, Polynomial};
 use std::sync::OnceLock;
 
 /// exp(Q) is neglected where it is below e^−50 = 2e-22 of its maximum.

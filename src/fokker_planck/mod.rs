@@ -21,9 +21,8 @@ pub use impulses::Impulse;
 pub(crate) use local::Local;
 
 use crate::checks::require;
-use crate::density::Frame;
 use crate::error::{Error, Result};
-use crate::polynomial::{Arena, Gaussian, Polynomial, Symbol};
+use crate::polynomial::{Arena, Frame, Gaussian, Polynomial, Symbol};
 use crate::system::Interpretation;
 use num_dual::Dual64;
 

@@ -3,12 +3,14 @@
 
 mod arithmetic;
 mod exponents;
+mod frame;
 mod gaussian;
 mod symbol;
 mod text;
 
 use exponents::ordered;
 pub(crate) use exponents::{monomials, of_one, power, total_degree};
+pub(crate) use frame::Frame;
 pub use gaussian::Gaussian;
 pub(crate) use symbol::{Arena, Symbol, is_real, series};
 pub(crate) use text::twelve_digits;

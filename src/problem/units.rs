@@ -1,9 +1,8 @@
 //! Units in which a system's coefficients are of order one.
 
-use crate::density::Frame;
 use crate::error::Result;
 use crate::fokker_planck::FokkerPlanck;
-use crate::polynomial::Gaussian;
+use crate::polynomial::{Frame, Gaussian};
 use nalgebra::{DMatrix, DVector};
 
 /// The scales of the states, as a frame around the origin, and the unit of time.

@@ -1,6 +1,6 @@
 use super::Simulation;
-use crate::density::Frame;
 use crate::error::{Error, Result};
+use crate::polynomial::Frame;
 use crate::problem::{Contact, Problem, TimeScales, reflect};
 use crate::transient::Start;
 

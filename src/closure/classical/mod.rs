@@ -21,11 +21,11 @@ mod solution;
 pub use solution::{Solution, Termination};
 
 use crate::checks::require;
-use crate::density::{Frame, Support};
+use crate::density::Support;
 use crate::error::{Error, Result};
 use crate::fokker_planck::FokkerPlanck;
 use crate::memory::MemoryLimit;
-use crate::polynomial::{Gaussian, Polynomial};
+use crate::polynomial::{Frame, Gaussian, Polynomial};
 use crate::problem::{Problem, Wall};
 use crate::provenance::Provenance;
 use faer::linalg::solvers::DenseSolveCore;

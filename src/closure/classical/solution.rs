@@ -1,6 +1,6 @@
-use crate::density::{ExpPolynomial, Frame, Support, escape_direction};
+use crate::density::{ExpPolynomial, Support, escape_direction};
 use crate::error::{Error, Result};
-use crate::polynomial::{Polynomial, total_degree};
+use crate::polynomial::{Frame, Polynomial, total_degree};
 use crate::provenance::Provenance;
 use std::fmt;
 

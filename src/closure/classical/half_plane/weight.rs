@@ -1,9 +1,8 @@
 use crate::closure::ROUNDING;
 use crate::closure::classical::STEPS;
-use crate::density::Frame;
 use crate::error::Result;
 use crate::numerics::{Rule, least_norm};
-use crate::polynomial::Gaussian;
+use crate::polynomial::{Frame, Gaussian};
 use faer::{Col, Mat, col, mat};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;

@@ -1,5 +1,5 @@
+use super::{Gaussian, Polynomial};
 use crate::error::{Error, Result};
-use crate::polynomial::{Gaussian, Polynomial};
 use nalgebra::{DMatrix, DVector};
 
 /// Scaled coordinates z of the state x = m + L z with L lower triangular: those of a Gaussian in which it is standard.
