@@ -131,13 +131,8 @@ const TAILS_ENOUGH: f64 = 0.25;
 const GRID_MEMORY: f64 = 0.3;
 /// Draws for integrals of a density: a standard error of some tenths of a percent for fourth moments in ten states.
 const DRAWS: usize = 400_000;
-/// The fewest consecutive states of a block next to walls, so that most impacts belong to the block of the states that they
-/// lead to.
-const LENGTH_AT_WALLS: usize = 5;
 /// The fewest blocks of states for each function whose moment equation is used.
 const BLOCKS_EACH: usize = 60;
-/// The fewest blocks of a trajectory, if it has as many states.
-const LEAST_BLOCKS: usize = 5;
 /// The most nodes of the maximisation: a bound on work.
 const MOST_NODES: usize = 1 << 18;
 /// A lattice of fewer nodes is enough, and a lattice gives the mass of an exact density, if means by one half of its nodes are

@@ -4,9 +4,8 @@ use super::impulses::ImpulseImages;
 use super::kink::Radius;
 use super::list::Block;
 use super::{Corner, Functions, Kink, PlaneJet, PlaneOperator};
+use crate::numerics::Number;
 use crate::numerics::legendre::recurrence;
-use crate::numerics::{Eight, Number};
-use pulp::{Arch, NullaryFnOnce};
 use std::collections::HashMap;
 
 /// How the functions of a list are built, each from a shorter one by a single multiplication.
@@ -206,11 +205,16 @@ impl Functions {
     /// The same under other impulses.
     #[inline(always)]
     pub(crate) fn image_under<T: Number>(&self, impulses: &ImpulseImages, scratch: &Scratch<T>, k: usize) -> T {
-        let mut image = scratch.rates[self.tree.places[k]];
-        for (place, c) in k.checked_sub(1).and_then(|k| impulses.get(k)).into_iter().flatten() {
-            image += self.value(scratch, *place) * *c;
-        }
-        image
+        let image = scratch.rates[self.tree.places[k]];
+        let of_impulses = k.checked_sub(1).and_then(|k| impulses.get(k));
+        of_impulses.map_or(image, |terms| self.added(image, terms, scratch))
+    }
+
+    /// A sum with terms after it. Not inlined, so that what needs none of it is a few instructions.
+    #[inline(never)]
+    fn added<T: Number>(&self, mut sum: T, terms: &[(usize, f64)], scratch: &Scratch<T>) -> T {
+        terms.iter().for_each(|(place, c)| sum += self.value(scratch, *place) * *c);
+        sum
     }
 
     /// Σ a_k φ_k, without the constant, over as many functions as there are a_k.
@@ -232,17 +236,6 @@ impl Functions {
             sum += products[place] * *a;
         }
         sum
-    }
-
-    /// Places eight points and applies an operator there, in the widest registers of the processor.
-    pub(crate) fn place_images(
-        &self,
-        x: &[Eight],
-        operator: (&[Eight], &[Eight]),
-        coupled: &[usize],
-        scratch: &mut Scratch<Eight>,
-    ) {
-        Arch::new().dispatch(Images { functions: self, x, operator, coupled, scratch });
     }
 
     /// Applies b·∇ + ½ B:∇∇ to all functions at the points placed, B by rows. `coupled` lists the states i with some B_ij ≠ 0,
@@ -338,23 +331,5 @@ impl Functions {
             let forms = corner.forms();
             own.by_ref().take(kinks.len()).for_each(|(jet, factor)| jet.add_gradient(&forms, *factor, gradient));
         }
-    }
-}
-
-struct Images<'a> {
-    functions: &'a Functions,
-    x: &'a [Eight],
-    operator: (&'a [Eight], &'a [Eight]),
-    coupled: &'a [usize],
-    scratch: &'a mut Scratch<Eight>,
-}
-
-impl NullaryFnOnce for Images<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.functions.place(self.x, self.scratch);
-        self.functions.apply(self.operator, self.coupled, self.scratch);
     }
 }

@@ -1,16 +1,16 @@
 //! Means over the pilot's states under which the moment equations hold.
 
+use super::blocks::{ImpactStatistics, PilotBlocks};
 use super::family::FunctionFamily;
-use super::paths::{ImpactStatistics, PilotPaths};
-use super::sums::{LOTS, Regression, Sums};
+use super::sums::{Regression, Sums};
+use super::walk::{LOTS, PilotWalk};
 use crate::closure::density::impacts::WallImpacts;
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::{LEAST_WEIGHT, MANY};
 use crate::closure::space::degrees::Degrees;
-use crate::closure::{BLOCKS_EACH, LEAST_BLOCKS, LENGTH_AT_WALLS, PILOT_TRAJECTORIES};
+use crate::closure::{BLOCKS_EACH, PILOT_TRAJECTORIES};
 use crate::functions::Functions;
 use crate::numerics::sort_by_number;
-use crate::parallel;
 use crate::problem::{Problem, Symmetry};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
@@ -86,12 +86,12 @@ struct SumsOfLots {
 
 impl SumsOfLots {
     /// None without a block.
-    fn new(paths: &PilotPaths<'_>) -> Option<Self> {
-        let lots = parallel::map(LOTS, |lot| paths.lot(lot));
-        let mut halves = [Sums::new(paths.sizes), Sums::new(paths.sizes)];
-        lots.iter().enumerate().for_each(|(lot, (sums, _))| halves[lot % 2].add(sums));
-        let mut all = Sums::new(paths.sizes);
-        halves.iter().for_each(|half| all.add(half));
+    fn new(blocks: &PilotBlocks<'_>) -> Option<Self> {
+        let lots = blocks.lots();
+        let mut halves = [Sums::new(blocks.sizes), Sums::new(blocks.sizes)];
+        lots.iter().enumerate().for_each(|(lot, (sums, _))| halves[lot % 2].add(sums, 1.0));
+        let mut all = Sums::new(blocks.sizes);
+        halves.iter().for_each(|half| all.add(half, 1.0));
         let means = lots.into_iter().map(|(_, means)| means).collect();
         (all.blocks > 0.0).then_some(SumsOfLots { halves, all, means })
     }
@@ -121,11 +121,10 @@ impl SumsOfLots {
     /// The place of the first regression whose weights of states are sound, and the smallest weight: a few far states must not
     /// determine the regression of a high degree alone. Where they do so at every degree, the pilot has not mixed, the means are plain,
     /// and the weight is the best of those.
-    fn soundest(&self, paths: &PilotPaths<'_>, found: &[Tested]) -> Option<(usize, f64)> {
-        let [r, _] = self.all.means();
+    fn soundest(&self, blocks: &PilotBlocks<'_>, found: &[Tested]) -> Option<(usize, f64)> {
         let weight = |tested: &Tested| {
             let lambda = &tested.regressions[0].lambda;
-            1.0 + r.iter().zip(lambda).map(|(r, l)| r * l).sum::<f64>() - paths.largest(lambda)
+            self.all.level(lambda) - blocks.largest(lambda)
         };
         let weights: Vec<(Option<u32>, f64)> = found.iter().map(|tested| (tested.degree, weight(tested))).collect();
         let sound = weights.iter().position(|(_, weight)| *weight > LEAST_WEIGHT)?;
@@ -145,11 +144,8 @@ impl CalibratedMeans {
         wanted: usize,
     ) -> Option<Self> {
         let symmetry = family.symmetry();
-        let samples = pilot.states.len() / PILOT_TRAJECTORIES;
-        let least = if family.corners().is_empty() { 1 } else { LENGTH_AT_WALLS };
-        let most = (samples / LEAST_BLOCKS).max(1);
-        let length = (pilot.slowness(symmetry).ceil() as usize).max(least).min(most);
-        let blocks = (samples / length) * PILOT_TRAJECTORIES;
+        let length = pilot.block_length(symmetry, !family.corners().is_empty());
+        let blocks = (pilot.samples() / length) * PILOT_TRAJECTORIES;
         let (mut degrees, exponents) = allowed(symmetry, problem.dimension(), blocks);
         let (tested, kinks) = family.tests(exponents);
         degrees.iter_mut().skip(1).for_each(|(_, tests)| *tests += kinks);
@@ -160,20 +156,12 @@ impl CalibratedMeans {
         let contacts = problem.contacts();
         let statistics = ImpactStatistics::new(pilot, &contacts);
         let sizes = [tests, count + contacts.len() * ImpactStatistics::EACH, count.min(family.covered())];
-        let paths = PilotPaths {
-            problem,
-            pilot,
-            contacts: &contacts,
-            statistics,
-            spaces: [&tested, functions],
-            sizes,
-            samples,
-            length,
-        };
+        let walk = PilotWalk::new(problem, pilot, &tested, &contacts, length);
+        let blocks = PilotBlocks { walk, functions, statistics, sizes };
 
-        let sums = SumsOfLots::new(&paths)?;
+        let sums = SumsOfLots::new(&blocks)?;
         let mut found = sums.regressed(&degrees, wanted);
-        let (sound, smallest_weight) = sums.soundest(&paths, &found)?;
+        let (sound, smallest_weight) = sums.soundest(&blocks, &found)?;
         let Tested { degree, regressions, residuals, .. } = found.swap_remove(sound);
         let calibration = CalibratedMeans {
             means: sums.all.calibrated(&regressions[0]),

@@ -11,27 +11,27 @@ use faer::{Accum, Mat, Par};
 
 /// Eight states with the coefficients of the operator there.
 #[derive(Clone, Debug)]
-pub(in crate::closure) struct Sites {
-    pub(in crate::closure) x: Vec<Eight>,
+pub(super) struct Sites {
+    pub(super) x: Vec<Eight>,
     /// f.
-    pub(in crate::closure) drift: Vec<Eight>,
+    pub(super) drift: Vec<Eight>,
     /// B, by rows.
-    pub(in crate::closure) diffusion: Vec<Eight>,
+    pub(super) diffusion: Vec<Eight>,
     /// −f + ∂B.
-    pub(in crate::closure) backward: Vec<Eight>,
+    pub(super) backward: Vec<Eight>,
     /// −∇·f + ½ ∂∂B.
-    pub(in crate::closure) source: Eight,
+    pub(super) source: Eight,
     /// The states i with some B_ij ≠ 0, j ≠ i.
-    pub(in crate::closure) coupled: Vec<usize>,
+    pub(super) coupled: Vec<usize>,
     /// The states with noise.
-    pub(in crate::closure) noisy: Vec<usize>,
+    pub(super) noisy: Vec<usize>,
     local: Local,
     /// The walls whose grazing impacts make a part S of ln p that is known.
     grazed: Vec<Corner>,
 }
 
 impl Sites {
-    pub(in crate::closure) fn new(problem: &Problem, corners: &[Corner]) -> Self {
+    pub(super) fn new(problem: &Problem, corners: &[Corner]) -> Self {
         let n = problem.dimension();
         let [x, drift, backward] = [(); 3].map(|()| vec![ZEROS; n]);
         let b = problem.operator().diffusion();
@@ -43,7 +43,7 @@ impl Sites {
     }
 
     /// Up to eight states, one after the other in `states`; the last stands in for those that are missing.
-    pub(in crate::closure) fn place(&mut self, problem: &Problem, states: &[f64]) {
+    pub(super) fn place(&mut self, problem: &Problem, states: &[f64]) {
         let n = problem.dimension();
         let count = states.len() / n;
         for l in 0..EIGHT {

@@ -6,7 +6,8 @@
 //! entropy, it always exists, and is found by a concave maximisation. A step that serves both the means and the moment
 //! equations under exp(Q) itself, each as accurately as it is known, then removes the rest of the pilot's noise.
 //!
-//! - `paths`, `sums`, `calibration`, `moments`: the pilot's trajectories in blocks, sums over these, calibrated means, and moments;
+//! - `walk`, `blocks`, `sums`, `calibration`, `moments`: functions along the pilot's trajectories, their means over blocks, sums over these,
+//!   calibrated means, and moments;
 //! - `family`: the functions of an order;
 //! - `nodes`, `copula`, `importance`, `lattice`, `strata`, `wall_nodes`: nodes for integrals: draws, lattices and, next to walls, Gauss
 //!   nodes across and a lattice along them;
@@ -18,6 +19,7 @@
 //! - `equations`, `impacts`, `reconciliation`: the moment equations under exp(Q), the impacts' part in them, and the step that
 //!   weighs them against the means.
 
+mod blocks;
 mod calibration;
 mod copula;
 mod equations;
@@ -36,15 +38,14 @@ mod nest;
 mod nest_domain;
 mod nested;
 mod nodes;
-mod paths;
 mod reconciliation;
 mod strata;
 mod sums;
 mod thin;
+mod walk;
 mod wall_nodes;
 
 pub(crate) use copula::Copula;
-pub(in crate::closure) use equations::Sites;
 pub(in crate::closure) use family::{FunctionFamily, corners};
 pub(in crate::closure) use fitting::unevenness;
 pub(crate) use importance::ImportanceRule;
@@ -52,6 +53,8 @@ pub(crate) use lattice::Lattice;
 pub(in crate::closure) use means::MeansFrom;
 pub(in crate::closure) use nest::Nest;
 pub(in crate::closure) use nodes::SampleNodes;
+pub(in crate::closure) use sums::Sums;
+pub(in crate::closure) use walk::{LOTS, OperatorParts, PilotWalk, WalkBuffers, enter};
 
 use super::density::exponent::Exponent;
 use super::density::impacts::WallImpacts;

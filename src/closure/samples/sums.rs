@@ -1,16 +1,13 @@
 //! Sums over blocks of states, and the regression of means on moment equations by them.
 
-use crate::numerics::{regression, symmetric};
+use crate::numerics::{add_gram, regression, symmetric};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
-
-/// Trajectories are summed in so many lots, of which every other one makes the first half.
-pub(super) const LOTS: usize = 16;
+use faer::{Accum, Mat, Par, Scale};
 
 /// Sums over blocks: their number, R = 𝓖ψ, φ, the lower triangle of RRᵀ, Rφᵀ and, of the first functions φ, the lower triangle
 /// of φφᵀ.
-pub(super) struct Sums {
-    pub(super) blocks: f64,
+pub(in crate::closure) struct Sums {
+    pub(in crate::closure) blocks: f64,
     pub(super) first: [Vec<f64>; 2],
     pub(super) square: Mat<f64>,
     pub(super) mixed: Mat<f64>,
@@ -19,20 +16,41 @@ pub(super) struct Sums {
 
 impl Sums {
     /// For so many tests, functions, and functions with covariances.
-    pub(super) fn new([tests, functions, covered]: [usize; 3]) -> Self {
+    pub(in crate::closure) fn new([tests, functions, covered]: [usize; 3]) -> Self {
         let (square, mixed) = (Mat::zeros(tests, tests), Mat::zeros(tests, functions));
         let own = Mat::zeros(covered, covered);
         Sums { blocks: 0.0, first: [vec![0.0; tests], vec![0.0; functions]], square, mixed, own }
     }
 
-    pub(super) fn add(&mut self, other: &Sums) {
-        self.blocks += other.blocks;
-        for (sum, part) in self.first.iter_mut().zip(&other.first) {
-            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+    /// Adds R and φ of some blocks, one row a block, and returns their sums.
+    pub(in crate::closure) fn take(&mut self, r: &Mat<f64>, phi: &Mat<f64>) -> [Vec<f64>; 2] {
+        add_gram(self.square.as_mut(), r.as_ref());
+        matmul(self.mixed.as_mut(), Accum::Add, r.transpose(), phi.as_ref(), 1.0, Par::Seq);
+        let covered = self.own.ncols();
+        add_gram(self.own.as_mut(), phi.get(.., ..covered));
+        let totals = [r, phi].map(|table| table.col_iter().map(|column| column.iter().sum()).collect::<Vec<f64>>());
+        for (sum, total) in self.first.iter_mut().zip(&totals) {
+            sum.iter_mut().zip(total).for_each(|(sum, total)| *sum += total);
         }
-        self.square += &other.square;
-        self.mixed += &other.mixed;
-        self.own += &other.own;
+        self.blocks += r.nrows() as f64;
+        totals
+    }
+
+    /// Adds others, or takes them off where `sign` is −1.
+    pub(in crate::closure) fn add(&mut self, other: &Sums, sign: f64) {
+        self.blocks += sign * other.blocks;
+        for (sum, part) in self.first.iter_mut().zip(&other.first) {
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += sign * part);
+        }
+        self.square += Scale(sign) * &other.square;
+        self.mixed += Scale(sign) * &other.mixed;
+        self.own += Scale(sign) * &other.own;
+    }
+
+    /// 1 + λ·R̄, the weight of a block being this less its λ·R.
+    pub(in crate::closure) fn level(&self, lambda: &[f64]) -> f64 {
+        let [r, _] = self.means();
+        1.0 + r.iter().zip(lambda).map(|(r, l)| r * l).sum::<f64>()
     }
 
     pub(super) fn means(&self) -> [Vec<f64>; 2] {
@@ -40,7 +58,7 @@ impl Sums {
     }
 
     /// The regression on the first `tests` functions ψ. None where these are dependent on each other.
-    pub(super) fn regression(&self, tests: usize) -> Option<Regression> {
+    pub(in crate::closure) fn regression(&self, tests: usize) -> Option<Regression> {
         let [r, phi] = self.means();
         let covariance = |k: usize, l: usize| self.square[(k, l)] / self.blocks - r[k] * r[l];
         let mixed = |k: usize, l: usize| {
@@ -71,7 +89,7 @@ impl Sums {
 }
 
 /// β, with a column for each φ, and λ = Cov(R)⁻¹ R̄.
-pub(super) struct Regression {
+pub(in crate::closure) struct Regression {
     pub(super) beta: Mat<f64>,
-    pub(super) lambda: Vec<f64>,
+    pub(in crate::closure) lambda: Vec<f64>,
 }

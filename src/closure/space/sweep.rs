@@ -6,6 +6,7 @@ use crate::parallel;
 use crate::states::States;
 use faer::{Mat, MatMut};
 use pulp::{Arch, NullaryFnOnce};
+use std::ops::Range;
 
 /// Points that a thread takes at a time: their values of a hundred functions stay in a core's cache.
 pub(in crate::closure) const STRETCH: usize = 128;
@@ -81,6 +82,11 @@ impl<'a> Points<'a> {
         self.from.len() / self.states
     }
 
+    /// The numbers of up to eight points from `first` on.
+    fn rows(&self, first: usize) -> Range<usize> {
+        first..self.len().min(first + EIGHT)
+    }
+
     /// Eight points from `first` on; the last one takes the place of those that are missing.
     #[inline(always)]
     pub(in crate::closure) fn place(&self, first: usize, x: &mut [Eight]) {
@@ -136,15 +142,13 @@ impl NullaryFnOnce for SumSweep<'_> {
     }
 }
 
-/// Enters the constant and the functions at eight points, or what they are there, into the rows of a table from `first` on, as far as it
-/// has them.
+/// Writes what each column has at up to eight points into rows of a table.
 #[inline(always)]
-fn enter(table: &mut MatMut<'_, f64>, first: usize, of: impl Fn(usize) -> Eight) {
-    let used = EIGHT.min(table.nrows() - first);
+fn enter(table: &mut MatMut<'_, f64>, rows: Range<usize>, of: impl Fn(usize) -> Eight) {
     for k in 0..table.ncols() {
         let values = of(k);
         if let Some(column) = table.as_mut().col_mut(k).try_as_col_major_mut() {
-            column.as_slice_mut()[first..first + used].copy_from_slice(&values.0[..used]);
+            column.as_slice_mut()[rows.clone()].copy_from_slice(&values.0[..rows.len()]);
         }
     }
 }
@@ -164,7 +168,7 @@ impl NullaryFnOnce for TableSweep<'_> {
         for first in (0..self.points.len()).step_by(EIGHT) {
             self.points.place(first, &mut x);
             self.space.place_values(&x, &mut scratch);
-            enter(&mut self.table, first, |k| self.space.value(&scratch, k));
+            enter(&mut self.table, self.points.rows(first), |k| self.space.value(&scratch, k));
         }
     }
 }
@@ -196,8 +200,8 @@ impl NullaryFnOnce for Rates<'_, '_> {
             enter_coupled(&diffusion, states, &mut coupled);
             self.space.place(&x, &mut scratch);
             self.space.apply((&drift, &diffusion), &coupled, &mut scratch);
-            enter(&mut self.values, first, |k| self.space.value(&scratch, k));
-            enter(&mut self.rates, first, |k| self.space.image(&scratch, k));
+            enter(&mut self.values, self.points.rows(first), |k| self.space.value(&scratch, k));
+            enter(&mut self.rates, self.points.rows(first), |k| self.space.image(&scratch, k));
         }
     }
 }

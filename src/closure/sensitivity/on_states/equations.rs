@@ -1,9 +1,10 @@
 use super::masses::{BELOW, COLUMNS, Masses, product};
-use super::walk::{Moved, PilotWalk};
+use super::moved::Moved;
 use super::weights::{CalibrationWeights, SETS};
 use crate::closure::dynamics::Dynamics;
+use crate::closure::samples::PilotWalk;
 use crate::closure::space::degrees::Degrees;
-use crate::closure::{BLOCKS_EACH, LEAST_BLOCKS, LENGTH_AT_WALLS, MOST_FUNCTIONS, PILOT_TRAJECTORIES};
+use crate::closure::{BLOCKS_EACH, MOST_FUNCTIONS, PILOT_TRAJECTORIES};
 use crate::functions::{Functions, GrazingMotion};
 use crate::numerics::sort_by_number;
 use crate::problem::{Contact, Problem, StillMotion, Symmetry};
@@ -53,11 +54,8 @@ impl EquationGround {
     pub(super) fn ladder(motion: &Dynamics, along: &[StillMotion]) -> Option<Vec<Self>> {
         let (problem, pilot) = (motion.problem(), motion.pilot()?);
         let symmetry = super::symmetry_of(problem, along);
-        let least = LEAST_BLOCKS;
         let contacts = problem.contacts();
-        let shortest = if contacts.is_empty() { 1 } else { LENGTH_AT_WALLS };
-        let longest = (pilot.samples() / least).max(1);
-        let length = (pilot.slowness(&symmetry).ceil() as usize).max(shortest).min(longest);
+        let length = pilot.block_length(&symmetry, !contacts.is_empty());
         let blocks = pilot.samples() / length * PILOT_TRAJECTORIES;
         let (centre, _) = pilot.spread(&symmetry);
         let farthest = |i: usize| pilot.states.iter().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max);
@@ -96,15 +94,14 @@ impl<'a> StateEquations<'a> {
     pub(super) fn new(ground: &'a EquationGround, motion: &'a Dynamics) -> Option<Self> {
         let (problem, pilot) = (motion.problem(), motion.pilot()?);
         let (length, contacts) = (ground.length, &ground.contacts[..]);
-        let used = pilot.samples() / length * length;
-        let walk = PilotWalk { problem, pilot, space: &ground.space, contacts, used, length };
+        let walk = PilotWalk::new(problem, pilot, &ground.space, contacts, length);
         let calibration = CalibrationWeights::new(&walk)?;
         let count = walk.functions();
         let zero =
             || LotSums { matrix: Mat::zeros(count, count), values: Mat::zeros(count, SETS), weights: Vec::new() };
         let lots = walk.lots(zero, |sums, [lot, t], place| {
             let (values, images) = (walk.values(t, place), walk.images(t, place));
-            let weights = calibration.weights(&walk, images.as_ref(), [lot, t]);
+            let weights = calibration.weights(&walk, &images, [lot, t]);
             let weighted = Mat::from_fn(values.nrows(), count, |row, k| weights[(row, 0)] * values[(row, k)]);
             add_product(&mut sums.matrix, &images, &weighted);
             let of_states = weights.get(..walk.used, ..).to_owned();
@@ -153,7 +150,7 @@ impl<'a> StateEquations<'a> {
         let moved = Moved::new(motion, walk.contacts, walk.space)?;
         let lots = walk.lots(
             || Mat::zeros(count, COLUMNS),
-            |sums, [_, t], place| add_product(sums, &walk.moved(&moved, t, place), &self.measure(t)),
+            |sums, [_, t], place| add_product(sums, &moved.images(&walk, t, place), &self.measure(t)),
         );
         Some(lots.into_iter().fold(Mat::zeros(count, COLUMNS), |sum, lot| sum + lot))
     }

@@ -1,4 +1,4 @@
-use super::walk::{LOTS, PilotWalk};
+use crate::closure::samples::{LOTS, PilotWalk};
 use crate::estimate::Estimate;
 use crate::parallel;
 use crate::states::States;

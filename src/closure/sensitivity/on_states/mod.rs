@@ -1,7 +1,6 @@
 //! Derivatives where the pilot's states carry the density: no nodes are needed, nor a simulation for each parameter.
 //!
-//! - `walk`: functions and their images along the pilot's trajectories; `rows`: eight states of these at a time;
-//! - `weights`: those of the states under which all means of images are zero;
+//! - `weights`: those of the states under which all means of images are zero; `moved`: images under the derivative of the generator;
 //! - `equations`: the Galerkin equations there, and their solutions;
 //! - `masses`: what these are on the states, and means with standard errors;
 //! - `fit`: the exponential polynomial's part; `displaced`: how displacements move with walls.
@@ -10,8 +9,7 @@ mod displaced;
 mod equations;
 mod fit;
 mod masses;
-mod rows;
-mod walk;
+mod moved;
 mod weights;
 
 use super::ClosureSensitivity;
