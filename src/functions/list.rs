@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// constant.
 ///
 /// The lists are nested: those of a smaller degree come first in the list of a larger one.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Functions {
     pub(super) corners: Vec<Corner>,
@@ -45,6 +45,13 @@ impl Block {
 
     fn len(&self) -> usize {
         self.factors.len() * self.kinks.as_ref().map_or(1, |(_, kinks)| kinks.len())
+    }
+}
+
+/// No function but the constant.
+impl Default for Functions {
+    fn default() -> Self {
+        Functions::of(Vec::new(), Vec::new())
     }
 }
 

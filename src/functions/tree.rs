@@ -154,7 +154,7 @@ impl Functions {
         let [centre, half_width] = self.box_around();
         for (i, rows) in table.chunks_exact_mut(tree.degrees).enumerate() {
             rows[0][0] = one;
-            let t = (x[i] - centre[i]) * half_width[i].recip();
+            let t = (x[i] - centre[i]) / T::everywhere(half_width[i]);
             if let Some(row) = rows.get_mut(1) {
                 row[0] = t;
             }

@@ -3,6 +3,8 @@
 
 mod ascent;
 mod definite;
+#[cfg(test)]
+mod differences;
 mod eigenvalues;
 mod exponential;
 mod gram;
@@ -20,6 +22,8 @@ mod tall;
 
 pub(crate) use ascent::{Concave, Search, Summit};
 pub(crate) use definite::definite;
+#[cfg(test)]
+pub(crate) use differences::differences;
 pub(crate) use eigenvalues::eigenvalues;
 pub(crate) use exponential::exponentials;
 pub(crate) use gram::{add_gram, symmetric, weighted_gram};

@@ -4,6 +4,7 @@ use super::copula::{Copula, Sampler};
 use super::nest::Nest;
 use super::nest_domain::NestedSampler;
 use super::nodes::SampleNodes;
+use super::shifts::{BLOCK, SHIFTS, Shifts, each_draw};
 use crate::closure::density::exponent::Exponent;
 use crate::closure::space::sweep::Function;
 use crate::error::Result;
@@ -13,19 +14,10 @@ use crate::numerics::{EIGHT, ZEROS, exponentials};
 use crate::parallel;
 use crate::record::{Read, positive, states};
 use crate::states::States;
-use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use serde::{Deserialize, Serialize};
 
-/// Random shifts of the lattice of draws for integrals: the spread between them is the standard error.
-const SHIFTS: usize = 16;
 /// The factor by which a section of a density has fewer draws than a mean: a marginal is computed at many places.
 const OF_A_SECTION: usize = 8;
-
-/// Draws that a thread takes at a time.
-const BLOCK: usize = 2048;
-
-/// The most blocks of draws for each shift in a file: some minutes of work for an integral.
-const MOST_BLOCKS: usize = 1 << 16;
 
 /// Integrates exp(Q) times any function, with standard errors; the same, bit for bit, on any number of threads.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -44,70 +36,6 @@ pub(crate) struct ImportanceRule {
     effective: f64,
     #[serde(skip)]
     exponent: Exponent,
-}
-
-/// Points of a lattice in the unit cube under random shifts.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Shifts {
-    /// The shifts, a number for each state.
-    starts: Vec<Vec<f64>>,
-    /// Blocks for each shift.
-    blocks: usize,
-    /// The step of the lattice from point to point, for each state.
-    #[serde(skip)]
-    advance: Vec<f64>,
-}
-
-impl Shifts {
-    /// About so many points in `n` dimensions.
-    pub(super) fn new(n: usize, draws: usize, seed: u64) -> Self {
-        let mut stream = ChaCha8Rng::seed_from_u64(seed);
-        let starts = (0..SHIFTS).map(|_| (0..n).map(|_| stream.random()).collect()).collect();
-        let blocks = draws.div_ceil(BLOCK * SHIFTS).max(1);
-        Shifts { starts, blocks, advance: square_roots(n) }
-    }
-
-    /// Blocks under all shifts.
-    pub(super) fn blocks_in_all(&self) -> usize {
-        self.starts.len() * self.blocks
-    }
-
-    /// The number of points.
-    pub(super) fn count(&self) -> usize {
-        self.blocks_in_all() * BLOCK
-    }
-
-    /// The same in `n` dimensions, if the numbers have a meaning.
-    fn checked(self, n: usize) -> Read<Self> {
-        if self.starts.len() != SHIFTS {
-            return Err(format!("there are {} shifts, not {}", self.starts.len(), SHIFTS));
-        }
-        self.starts.iter().try_for_each(|shift| states("a shift of the draws", shift, n))?;
-        if !(1..=MOST_BLOCKS).contains(&self.blocks) {
-            return Err(format!("{} blocks of draws are not between 1 and {}", self.blocks, MOST_BLOCKS));
-        }
-        Ok(Shifts { advance: square_roots(n), ..self })
-    }
-}
-
-/// The draws of one of all blocks in a sampler's trust domain, each with the logarithm of the density that it is drawn with.
-pub(super) fn each_draw(
-    draw: &impl Fn(&mut [f64], &mut [f64]) -> Option<f64>,
-    shifts: &Shifts,
-    block: usize,
-    mut visit: impl FnMut(&[f64], f64),
-) {
-    let (start, block) = (&shifts.starts[block / shifts.blocks], block % shifts.blocks);
-    let [mut normals, mut x] = [(); 2].map(|()| vec![0.0; start.len()]);
-    for k in block * BLOCK..(block + 1) * BLOCK {
-        for ((u, start), advance) in normals.iter_mut().zip(start).zip(&shifts.advance) {
-            *u = normal_quantile((start + k as f64 * advance).fract());
-        }
-        if let Some(logarithm) = draw(&mut normals, &mut x) {
-            visit(&x, logarithm);
-        }
-    }
 }
 
 /// Draws from a copula, or in the domain of nested nodes.
@@ -146,16 +74,15 @@ impl ImportanceRule {
         draws: usize,
         seed: u64,
     ) -> Option<Self> {
-        let rule = ImportanceRule {
+        let mut rule = ImportanceRule {
             copula: copula.clone(),
             nest,
             shifts: Shifts::new(copula.knots.len(), draws, seed),
             shift: 0.0,
             mass: [1.0, 0.0],
             effective: 0.0,
-            exponent: Exponent::default(),
+            exponent: without_constant(exponent),
         };
-        let mut rule = rule.over(exponent);
         let mut top = f64::NEG_INFINITY;
         rule.block(&rule.sampler(&[]).ok()?, 0, |_, logarithm| top = top.max(logarithm));
         rule.shift = top;
@@ -168,11 +95,6 @@ impl ImportanceRule {
         (mass.value.is_finite() && mass.value > 0.0).then_some(rule)
     }
 
-    /// The same for this Q.
-    fn over(self, exponent: &Exponent) -> Self {
-        ImportanceRule { exponent: Exponent { constant: 0.0, ..exponent.clone() }, ..self }
-    }
-
     /// The same for this Q, if its numbers have a meaning.
     pub(in crate::closure) fn checked(self, exponent: &Exponent) -> Read<Self> {
         let n = exponent.space.dimension();
@@ -183,7 +105,7 @@ impl ImportanceRule {
         positive("the number of effective draws", self.effective)?;
         let copula = self.copula.checked(n)?;
         let nest = self.nest.map(|nest| nest.checked(n, &copula)).transpose()?;
-        Ok(ImportanceRule { copula, nest, shifts, ..self }.over(exponent))
+        Ok(ImportanceRule { copula, nest, shifts, exponent: without_constant(exponent), ..self })
     }
 
     /// Draws of all states but those given.
@@ -299,7 +221,7 @@ impl ImportanceRule {
             });
             sums
         };
-        let parts = parallel::map(self.shifts.starts.len() * blocks, part);
+        let parts = parallel::map(SHIFTS * blocks, part);
         Ok(parts.chunks(blocks).map(|parts| parts.iter().fold([0.0; 3], added)).collect())
     }
 
@@ -336,6 +258,11 @@ impl ImportanceRule {
     }
 }
 
+/// Q, which the constant of a normalised density is no part of.
+fn without_constant(exponent: &Exponent) -> Exponent {
+    Exponent { constant: 0.0, ..exponent.clone() }
+}
+
 /// Draws in a number of blocks.
 fn draws_in(blocks: usize) -> f64 {
     (blocks * BLOCK) as f64
@@ -348,48 +275,4 @@ fn spread(values: impl Iterator<Item = f64>) -> Estimate {
     let mean = values.iter().sum::<f64>() / count;
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
     Estimate::new(mean, (variance / count).sqrt())
-}
-
-/// The square roots of the first primes: no combination of them with small whole numbers is a whole number, so that their
-/// multiples fill the unit cube evenly.
-fn square_roots(count: usize) -> Vec<f64> {
-    let primes = (2_u32..).filter(|n| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0));
-    primes.take(count).map(|p| f64::from(p).sqrt().fract()).collect()
-}
-
-/// The inverse of the normal distribution, by Acklam's rational approximations: nine digits.
-fn normal_quantile(p: f64) -> f64 {
-    const A: [f64; 6] = [
-        -39.69683028665376,
-        220.9460984245205,
-        -275.9285104469687,
-        138.357751867269,
-        -30.66479806614716,
-        2.506628277459239,
-    ];
-    const B: [f64; 6] =
-        [-54.47609879822406, 161.5858368580409, -155.6989798598866, 66.80131188771972, -13.28068155288572, 1.0];
-    const C: [f64; 6] = [
-        -0.007784894002430293,
-        -0.3223964580411365,
-        -2.400758277161838,
-        -2.549732539343734,
-        4.374664141464968,
-        2.938163982698783,
-    ];
-    const D: [f64; 5] = [0.007784695709041462, 0.3224671290700398, 2.445134137142996, 3.754408661907416, 1.0];
-    const TAIL: f64 = 0.02425;
-    let horner = |c: &[f64], t: f64| c.iter().fold(0.0, |sum, c| sum * t + c);
-    let tail = |p: f64| {
-        let q = (-2.0 * p.max(f64::MIN_POSITIVE).ln()).sqrt();
-        horner(&C, q) / horner(&D, q)
-    };
-    if p < TAIL {
-        tail(p)
-    } else if p > 1.0 - TAIL {
-        -tail(1.0 - p)
-    } else {
-        let q = p - 0.5;
-        q * horner(&A, q * q) / horner(&B, q * q)
-    }
 }

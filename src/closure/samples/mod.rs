@@ -9,9 +9,9 @@
 //! - `walk`, `blocks`, `sums`, `calibration`, `moments`: functions along the pilot's trajectories, their means over blocks, sums over these,
 //!   calibrated means, and moments;
 //! - `family`: the functions of an order;
-//! - `nodes`, `copula`, `importance`, `lattice`, `strata`, `wall_nodes`: nodes for integrals: draws, lattices and, next to walls, Gauss
+//! - `nodes`, `copula`, `shifts`, `importance`, `lattice`, `strata`, `wall_nodes`: nodes for integrals: draws, lattices and, next to walls, Gauss
 //!   nodes across and a lattice along them;
-//! - `likelihood`, `fitting`: the most likely density on such nodes;
+//! - `likelihood`, `covariances`, `fitting`: the most likely density on such nodes;
 //! - `thin`, `lines`, `nest`, `nest_domain`, `nested`, `frame`: a state that nearly follows the others, nodes on lines along it where the density has
 //!   its mass, and the most likely density there, in orthonormal functions;
 //! - `means`: those of a density at a time, which satisfies no stationary equations;
@@ -22,6 +22,7 @@
 mod blocks;
 mod calibration;
 mod copula;
+mod covariances;
 mod equations;
 mod estimate;
 mod family;
@@ -39,6 +40,7 @@ mod nest_domain;
 mod nested;
 mod nodes;
 mod reconciliation;
+mod shifts;
 mod strata;
 mod sums;
 mod thin;
@@ -54,7 +56,7 @@ pub(in crate::closure) use means::MeansFrom;
 pub(in crate::closure) use nest::Nest;
 pub(in crate::closure) use nodes::SampleNodes;
 pub(in crate::closure) use sums::Sums;
-pub(in crate::closure) use walk::{LOTS, OperatorParts, PilotWalk, WalkBuffers, enter};
+pub(in crate::closure) use walk::{LOTS, OperatorParts, PilotWalk, WalkBuffers};
 
 use super::density::exponent::Exponent;
 use super::density::impacts::WallImpacts;

@@ -6,6 +6,7 @@ use faer::{Accum, Mat, Par, Scale};
 
 /// Sums over blocks: their number, R = 𝓖ψ, φ, the lower triangle of RRᵀ, Rφᵀ and, of the first functions φ, the lower triangle
 /// of φφᵀ.
+#[derive(Clone)]
 pub(in crate::closure) struct Sums {
     pub(in crate::closure) blocks: f64,
     pub(super) first: [Vec<f64>; 2],

@@ -3,6 +3,7 @@
 use super::equations::Sites;
 use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
+use crate::closure::space::sweep::enter;
 use crate::functions::{Functions, ImpulseImages, Scratch};
 use crate::numerics::{EIGHT, Eight, ZEROS};
 use crate::parallel;
@@ -162,12 +163,9 @@ impl<'a> PilotWalk<'a> {
         mut states: impl FnMut(&mut WalkBuffers, MatMut<'_, f64>),
         mut impacts: impl FnMut(&mut WalkBuffers, &[Impact], MatMut<'_, f64>),
     ) -> Mat<f64> {
-        // Eight rows are written where fewer are left.
-        let mut table = Mat::zeros(self.rows(t) + EIGHT, self.functions());
+        let mut table = Mat::zeros(self.rows(t), self.functions());
         self.each(t, place, |place| states(place, table.as_mut()));
-        table.get_mut(self.used.., ..).fill(0.0);
         self.each_impacts(t, place, |place, struck| impacts(place, struck, table.as_mut()));
-        table.truncate(self.rows(t), self.functions());
         table
     }
 
@@ -175,11 +173,11 @@ impl<'a> PilotWalk<'a> {
     pub(in crate::closure) fn values(&self, t: usize, place: &mut WalkBuffers) -> Mat<f64> {
         let states = |place: &mut WalkBuffers, table: MatMut<'_, f64>| {
             let WalkBuffers { x, scratch, rows, arch, .. } = place;
-            self.enter_rows(*arch, x, None, (scratch, rows.start), table);
+            self.enter_rows(*arch, x, None, (scratch, rows), table);
         };
         self.tabulated(t, place, states, |place, _, table| {
             let WalkBuffers { ends: [before, _], scratch, rows, arch, .. } = place;
-            self.enter_rows(*arch, before, None, (scratch, rows.start), table);
+            self.enter_rows(*arch, before, None, (scratch, rows), table);
         })
     }
 
@@ -215,7 +213,7 @@ impl<'a> PilotWalk<'a> {
         self.space.place_values(&place.ends[1], &mut place.scratch);
         after.iter_mut().enumerate().for_each(|(k, lane)| *lane = self.space.value(&place.scratch, k));
         self.space.place_values(&place.ends[0], &mut place.scratch);
-        enter(&mut table, place.rows.start, |k| {
+        enter(&mut table, place.rows.clone(), |k| {
             let before = self.space.value(&place.scratch, 1 + k);
             after[1 + k] - before
         });
@@ -227,7 +225,7 @@ impl<'a> PilotWalk<'a> {
         let [begin, end] = [rows.start, rows.end].map(|row| (self.first(t) + row) * x.len());
         sites.place(self.problem, &self.pilot.states.values()[begin..end]);
         let operator = ((&sites.drift[..], &sites.diffusion[..]), &sites.coupled[..], self.space.impulses());
-        self.enter_rows(*arch, x, Some(operator), (scratch, rows.start), table);
+        self.enter_rows(*arch, x, Some(operator), (scratch, rows), table);
     }
 
     /// All functions but the constant at eight states, or their images.
@@ -236,10 +234,10 @@ impl<'a> PilotWalk<'a> {
         arch: Arch,
         x: &[Eight],
         operator: Option<OperatorParts<'_>>,
-        (scratch, first): (&mut Scratch<Eight>, usize),
+        (scratch, rows): (&mut Scratch<Eight>, &Range<usize>),
         table: MatMut<'_, f64>,
     ) {
-        arch.dispatch(Rows { space: self.space, x, operator, scratch, first, table });
+        arch.dispatch(Rows { space: self.space, x, operator, scratch, rows, table });
     }
 }
 
@@ -252,8 +250,7 @@ struct Rows<'s> {
     x: &'s [Eight],
     operator: Option<OperatorParts<'s>>,
     scratch: &'s mut Scratch<Eight>,
-    /// The first of the eight rows.
-    first: usize,
+    rows: &'s Range<usize>,
     table: MatMut<'s, f64>,
 }
 
@@ -262,28 +259,17 @@ impl NullaryFnOnce for Rows<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Rows { space, x, operator, scratch, first, mut table } = self;
+        let Rows { space, x, operator, scratch, rows, mut table } = self;
         match operator {
             None => {
                 space.place_values(x, scratch);
-                enter(&mut table, first, |k| space.value(scratch, 1 + k));
+                enter(&mut table, rows.clone(), |k| space.value(scratch, 1 + k));
             }
             Some((operator, coupled, impulses)) => {
                 space.place(x, scratch);
                 space.apply(operator, coupled, scratch);
-                enter(&mut table, first, |k| space.image_under(impulses, scratch, 1 + k));
+                enter(&mut table, rows.clone(), |k| space.image_under(impulses, scratch, 1 + k));
             }
-        }
-    }
-}
-
-/// Writes what each column has at eight points into as many rows of a table.
-#[inline(always)]
-pub(in crate::closure) fn enter(table: &mut MatMut<'_, f64>, first: usize, of: impl Fn(usize) -> Eight) {
-    for k in 0..table.ncols() {
-        let values = of(k);
-        if let Some(column) = table.as_mut().col_mut(k).try_as_col_major_mut() {
-            column.as_slice_mut()[first..first + EIGHT].copy_from_slice(&values.0);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Nodes on walls.
 
 use super::copula::Copula;
-use super::importance::{Shifts, each_draw};
+use super::shifts::{Shifts, each_draw};
 use crate::closure::pilot::Pilot;
 use crate::closure::samples::WIDENING_AT_WALLS;
 use crate::functions::Corner;

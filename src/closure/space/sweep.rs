@@ -142,13 +142,22 @@ impl NullaryFnOnce for SumSweep<'_> {
     }
 }
 
-/// Writes what each column has at up to eight points into rows of a table.
+/// Writes what each column has at up to eight points into rows of a table, which is by columns.
 #[inline(always)]
-fn enter(table: &mut MatMut<'_, f64>, rows: Range<usize>, of: impl Fn(usize) -> Eight) {
+pub(in crate::closure) fn enter(table: &mut MatMut<'_, f64>, rows: Range<usize>, of: impl Fn(usize) -> Eight) {
+    // A loop of its own for eight: copies of a known length are a few instructions.
+    if rows.len() == EIGHT {
+        each_column(table, |k, column| column[rows.start..rows.start + EIGHT].copy_from_slice(&of(k).0));
+    } else {
+        each_column(table, |k, column| column[rows.clone()].copy_from_slice(&of(k).0[..rows.len()]));
+    }
+}
+
+#[inline(always)]
+fn each_column(table: &mut MatMut<'_, f64>, mut visit: impl FnMut(usize, &mut [f64])) {
     for k in 0..table.ncols() {
-        let values = of(k);
         if let Some(column) = table.as_mut().col_mut(k).try_as_col_major_mut() {
-            column.as_slice_mut()[rows.clone()].copy_from_slice(&values.0[..rows.len()]);
+            visit(k, column.as_slice_mut());
         }
     }
 }
@@ -222,6 +231,7 @@ mod tests {
     use crate::closure::space::WallLevel;
     use crate::fokker_planck::Local;
     use crate::functions::{Corner, Polynomials};
+    use crate::numerics::differences;
     use crate::problem::Wall;
 
     /// Polynomials, and functions next to two walls, with the singular part.
@@ -240,7 +250,8 @@ mod tests {
     }
 
     /// The same bits as at single points, for a number of points that is neither one of stretches nor one of eights; gradients and
-    /// residuals are those of differences, with an error of the step squared, 1e-8, times third derivatives, some 1e3 near a wall.
+    /// residuals are those of differences of Q, a sum of 58 functions: to the rounding of some ten over the step, 1e-12, and over its
+    /// square, 1e-8. Measured are 4e-12 and 5e-9.
     #[test]
     fn sweeps_agree_with_single_points() {
         let mut points = States::new(2);
@@ -266,19 +277,16 @@ mod tests {
                 assert!((0..=count).all(|k| [beside[(i, k)], rates[(i, k)]] == single(k)), "{x:?}");
                 assert!((0..=count).all(|k| table[(i, k)] == single(k)[0]), "{x:?}");
                 assert_eq!([table[(i, 0)], rates[(i, 0)]], [1.0, 0.0]);
-                let h = 1e-4;
-                let at = |p: f64, q: f64| exponent.value(&[x[0] + p * h, x[1] + q * h]);
-                let slope = [at(1.0, 0.0) - at(-1.0, 0.0), at(0.0, 1.0) - at(0.0, -1.0)].map(|q| q / (2.0 * h));
-                let bends = [at(1.0, 0.0) + at(-1.0, 0.0), at(0.0, 1.0) + at(0.0, -1.0)]
-                    .map(|q| (q - 2.0 * at(0.0, 0.0)) / (h * h));
-                let mixed = (at(1.0, 1.0) + at(-1.0, -1.0) - at(1.0, -1.0) - at(-1.0, 1.0)) / (4.0 * h * h);
-                let [u, w] = slope;
-                let bent = b[0] * (bends[0] + u * u) + 2.0 * b[1] * (mixed + u * w) + b[3] * (bends[1] + w * w);
-                let r = 0.5 * bent - f[0] * u - f[1] * w - 0.7;
-                let size = 1.0 + u * u + w * w + bends[0].abs() + bends[1].abs() + mixed.abs();
+                let (slope, bend) = differences(|x| vec![exponent.value(x)], x, 3e-4).remove(0);
+                let of_slopes = (0..2).map(|k| local.backward(k) * slope[k]).sum::<f64>();
+                let bent = (0..4).map(|k| 0.5 * b[k] * (bend[k] + slope[k / 2] * slope[k % 2])).sum::<f64>();
+                let r = local.source() + of_slopes + bent;
+                let squares = slope.iter().map(|slope| slope * slope).sum::<f64>();
+                let size = 1.0 + squares + bend.iter().map(|bend| bend.abs()).sum::<f64>();
+                let off = (0..2).map(|k| (residuals[i].2[k] - slope[k]).abs()).fold(0.0, f64::max);
                 assert_eq!(residuals[i].0, i);
-                assert!((residuals[i].1 - r).abs() < 1e-3 * size, "{x:?}: {} and {r}", residuals[i].1);
-                assert!((0..2).all(|k| (residuals[i].2[k] - slope[k]).abs() < 1e-4 * size), "{x:?}");
+                assert!((residuals[i].1 - r).abs() < 2e-8 * size, "{x:?}: {} and {r}", residuals[i].1);
+                assert!(off < 1e-11 * size, "{x:?}: {off:e}");
                 assert_eq!(exponent.gradient(x), residuals[i].2, "{x:?}");
             }
             // Sums of some hundred numbers.

@@ -1,4 +1,5 @@
-use crate::closure::samples::{OperatorParts, PilotWalk, WalkBuffers, enter};
+use crate::closure::samples::{OperatorParts, PilotWalk, WalkBuffers};
+use crate::closure::space::sweep::enter;
 use crate::functions::{Functions, ImpulseImages};
 use crate::numerics::{EIGHT, Eight, ZEROS};
 use crate::polynomial::Polynomial;
@@ -78,7 +79,7 @@ impl Moved {
         }
         walk.space.place(&place.ends[1], &mut place.scratch);
         walk.space.apply((&drift, &diffusion), &[], &mut place.scratch);
-        enter(&mut table, place.rows.start, |k| {
+        enter(&mut table, place.rows.clone(), |k| {
             let (scratch, k) = (&place.scratch, 1 + k);
             let (image, value) = (walk.space.image(scratch, k), walk.space.value(scratch, k));
             image - stretching * value
@@ -107,6 +108,6 @@ impl Moved {
             self.diffusion.iter().for_each(|(ij, b)| diffusion[*ij][l] = b.evaluate(&state));
         }
         let operator: OperatorParts<'_> = ((&drift[..], &diffusion[..]), &self.coupled[..], &self.impulses);
-        walk.enter_rows(*arch, x, Some(operator), (scratch, rows.start), table);
+        walk.enter_rows(*arch, x, Some(operator), (scratch, rows), table);
     }
 }

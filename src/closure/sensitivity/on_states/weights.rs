@@ -26,8 +26,7 @@ impl CalibrationWeights {
         lots.iter().for_each(|lot| all.add(lot, 1.0));
         let (mut lambda, mut levels, mut counts) = (Mat::zeros(count, SETS), Vec::new(), Vec::new());
         for set in 0..SETS {
-            let mut sums = zero();
-            sums.add(&all, 1.0);
+            let mut sums = all.clone();
             if let Some(lot) = set.checked_sub(1) {
                 sums.add(&lots[lot], -1.0);
             }
