@@ -30,6 +30,7 @@ mod density;
 mod envelope;
 mod error;
 mod estimate;
+mod field;
 mod file;
 mod fokker_planck;
 mod functions;
@@ -53,6 +54,7 @@ pub mod statistics;
 pub mod study;
 mod system;
 mod transient;
+mod walls;
 
 pub use closed_form::ClosedForm;
 pub use closure::{
@@ -67,7 +69,7 @@ pub use fokker_planck::{FokkerPlanck, Impulse};
 pub use grid::{Grid, GridDensity, GridProgress, GridSensitivity, Survival};
 pub use method::Method;
 pub use polynomial::{Gaussian, Polynomial};
-pub use problem::{Definition, Problem, Wall};
+pub use problem::{Definition, Problem};
 pub use provenance::{Provenance, Stopped};
 pub use scalar::Scalar;
 #[doc(hidden)]
@@ -82,3 +84,4 @@ pub use system::{
     PolynomialDrift, PolynomialSystem,
 };
 pub use transient::{Course, Relaxation, Start, Transient};
+pub use walls::Wall;

@@ -15,8 +15,9 @@ use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
-use crate::problem::{Problem, Wall};
+use crate::problem::Problem;
 use crate::simulation::require_settling;
+use crate::walls::Wall;
 use std::time::Instant;
 
 /// Impulses alone are rare where fewer than this come in the time in which volumes of the state space shrink by a factor e at

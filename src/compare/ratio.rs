@@ -3,6 +3,7 @@ use crate::checks::require;
 use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
+use crate::numerics::bisected;
 use crate::parallel;
 
 /// Lines along each state of the first scan, and of the second.
@@ -71,20 +72,8 @@ pub(super) fn scanned(
     bounds: &[[f64; 2]],
     level: f64,
 ) -> Result<Estimate> {
-    // The region is often much smaller than the bounds.
     let n = bounds.len();
-    let first = lattice(at, bounds, COARSE)?;
-    let peak = first.iter().fold(0.0_f64, |peak, (_, (_, q))| peak.max(q.value));
-    let mut region = vec![[f64::INFINITY, f64::NEG_INFINITY]; n];
-    for (x, _) in first.iter().filter(|(_, (_, q))| q.value >= level * peak) {
-        for (limits, x) in region.iter_mut().zip(x) {
-            *limits = [limits[0].min(*x), limits[1].max(*x)];
-        }
-    }
-    for (limits, [low, high]) in region.iter_mut().zip(bounds) {
-        let step = (high - low) / COARSE as f64;
-        *limits = [(limits[0] - step).max(*low), (limits[1] + step).min(*high)];
-    }
+    let (region, peak) = region(at, bounds, level)?;
     let values = lattice(at, &region, FINE)?;
     let peak = values.iter().fold(peak, |peak, (_, (_, q))| peak.max(q.value));
     let least = level * peak;
@@ -114,14 +103,13 @@ pub(super) fn scanned(
     let found = parallel::map_into(edges, |_, (a, b, along)| {
         let (within, beyond) = if inside(a) { (a, b) } else { (b, a) };
         let mut x = values[within].0.clone();
-        let (mut start, mut end) = (x[along], values[beyond].0[along]);
-        for _ in 0..BISECTIONS {
-            let middle = (start + end) / 2.0;
-            x[along] = middle;
-            if at(&x)?.1.value >= least { start = middle } else { end = middle }
-        }
-        x[along] = start;
-        Ok((at(&x)?, (0..n).all(|i| i == along || index(a, i) % 2 == 0)))
+        let ends = [x[along], values[beyond].0[along]];
+        let mut on_line = |place: f64| {
+            x[along] = place;
+            at(&x)
+        };
+        let [edge, _] = bisected(ends, BISECTIONS, |place| Ok(on_line(place)?.1.value >= least))?;
+        Ok((on_line(edge)?, (0..n).all(|i| i == along || index(a, i) % 2 == 0)))
     });
     for found in found {
         let (value, on_second) = found?;
@@ -129,6 +117,27 @@ pub(super) fn scanned(
     }
     let (value, stated) = every;
     Ok(Estimate::new(value, if value.is_finite() { value - second + stated } else { f64::INFINITY }))
+}
+
+/// The box around the region above the level, often much smaller than the bounds, and the peak as it was found.
+fn region(
+    at: &(dyn Fn(&[f64]) -> Result<DensityPair> + Sync),
+    bounds: &[[f64; 2]],
+    level: f64,
+) -> Result<(Vec<[f64; 2]>, f64)> {
+    let values = lattice(at, bounds, COARSE)?;
+    let peak = values.iter().fold(0.0_f64, |peak, (_, (_, q))| peak.max(q.value));
+    let mut region = vec![[f64::INFINITY, f64::NEG_INFINITY]; bounds.len()];
+    for (x, _) in values.iter().filter(|(_, (_, q))| q.value >= level * peak) {
+        for (limits, x) in region.iter_mut().zip(x) {
+            *limits = [limits[0].min(*x), limits[1].max(*x)];
+        }
+    }
+    for (limits, [low, high]) in region.iter_mut().zip(bounds) {
+        let step = (high - low) / COARSE as f64;
+        *limits = [(limits[0] - step).max(*low), (limits[1] + step).min(*high)];
+    }
+    Ok((region, peak))
 }
 
 /// The values on equal steps over a box.

@@ -1,7 +1,7 @@
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::problem::Wall;
 use crate::states::States;
+use crate::walls::Wall;
 use std::fmt::Debug;
 use std::sync::Arc;
 

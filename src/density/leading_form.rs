@@ -1,6 +1,6 @@
 //! The test of whether exp(Q) has a finite integral: the sign of Q far away.
 
-use crate::numerics::sort_by_number;
+use crate::numerics::{kronecker, sort_by_number};
 use crate::polynomial::{Polynomial, power};
 
 /// A direction in which Q does not fall to −∞, if there is one.
@@ -45,9 +45,8 @@ fn directions(n: usize) -> Vec<Vec<f64>> {
             let angle = k as f64 * std::f64::consts::TAU / count as f64;
             vec![angle.cos(), angle.sin()]
         } else {
-            // A Kronecker sequence in the cube, by square roots of integers, pushed out to the sphere.
-            let place = |i: usize| 2.0 * ((k + 1) as f64 * (i as f64 + 2.37).sqrt() * 0.754_877_666).fract() - 1.0;
-            (0..n).map(place).collect()
+            // Points in the cube, pushed out to the sphere.
+            (0..n).map(|i| 2.0 * kronecker(k, i) - 1.0).collect()
         };
         all.extend(normalised(e));
     }

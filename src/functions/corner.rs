@@ -2,8 +2,8 @@
 
 use super::{Form, PlaneJet, Similarity};
 use crate::numerics::Number;
-use crate::problem::Wall;
 use crate::record::{Read, positive, positive_states};
+use crate::walls::Wall;
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 

@@ -5,8 +5,8 @@ use crate::density::{Crossing, Density, Evidence, summary};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::sort_by_number;
-use crate::problem::Wall;
 use crate::provenance::Provenance;
+use crate::walls::Wall;
 use std::fmt;
 use std::sync::Arc;
 

@@ -224,6 +224,16 @@ impl GridField {
         parallel::map(self.mesh.cells.len(), part).iter().sum()
     }
 
+    /// The lowest and the highest value at the nodes of a rule, 0 at most and at least, and the mass of what is below 0.
+    pub(super) fn extremes(&self) -> ([f64; 2], f64) {
+        let (mut least, mut peak, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
+        self.for_each_node(&self.shape.rule(0), |_, weight, p| {
+            (peak, least) = (peak.max(p), least.min(p));
+            negative_mass += weight * (-p).max(0.0);
+        });
+        ([least, peak], negative_mass)
+    }
+
     /// The peak of a normal density with the same ∫ p² dx: a source in a single cell has none of it.
     pub(super) fn level(&self) -> f64 {
         let square: f64 = self.coefficients.iter().map(|c| c * c).sum();

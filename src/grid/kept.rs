@@ -5,7 +5,8 @@ use super::mesh::Side;
 use super::pilot::GridPilot;
 use super::start::{Ground, smallest};
 use super::stationary::Stationary;
-use crate::problem::{Problem, Wall};
+use crate::problem::Problem;
+use crate::walls::Wall;
 
 /// The problem and its options, and the mesh, the operators and their factors of both degrees.
 #[derive(Debug)]

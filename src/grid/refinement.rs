@@ -58,8 +58,7 @@ pub(super) fn resolve(
     mut report: impl FnMut(GridProgress) -> Result<()>,
 ) -> Result<Pair> {
     let (mut layout, mut places) = (Layout::new(start), vec![first_pin]);
-    let (mut aim, mut rounds, mut exhausted, mut spent) = (target, 0, false, 0.0);
-    let mut last = [f64::INFINITY; 2];
+    let (mut aim, mut rounds, mut exhausted, mut spent, mut last) = (target, 0, false, 0.0, [f64::INFINITY; 2]);
     loop {
         rounds += 1;
         spent += layout.numbers(Shape { states: layout.mesh.dimension(), degree });
@@ -68,8 +67,7 @@ pub(super) fn resolve(
         let mut fine = solve(question, &layout, degree, &places)?;
         // A place that had a pin this time is not missed, whether it has a well or not.
         let missed = fine.missed(question.states).filter(|place| !places.contains(place));
-        places = fine.places();
-        places.extend(missed.clone());
+        places = fine.places().into_iter().chain(missed.clone()).collect();
         let unresolved = fine.unresolved();
         let indicator = indicator(&unresolved);
         let progress = GridProgress { rounds, cells: layout.mesh.cells.len(), indicator, ..GridProgress::default() };
@@ -103,15 +101,13 @@ pub(super) fn resolve(
         let done = estimate <= target || least || exhausted || rounds >= ROUNDS;
         aim = aim.min(indicator) * (CAUTION * target / estimate).max(LEAST);
         let next = if done { None } else { refined(&layout.mesh, &unresolved, aim) };
-        match next.map(Layout::new) {
-            Some(finer) if finer.fits(fine.operator.shape, question.memory).is_ok() => layout = finer,
-            Some(_) => return Ok(Pair { fine, coarse, difference, rounds, exhausted: true }),
-            None => {
-                // Neither the accuracy nor what rounding leaves.
-                let exhausted = exhausted || !(least || estimate <= target);
-                return Ok(Pair { fine, coarse, difference, rounds, exhausted });
-            }
-        }
+        let next = next.map(Layout::new).filter(|finer| finer.fits(fine.operator.shape, question.memory).is_ok());
+        let Some(finer) = next else {
+            // Neither the accuracy nor what rounding leaves.
+            let exhausted = exhausted || !(least || estimate <= target);
+            return Ok(Pair { fine, coarse, difference, rounds, exhausted });
+        };
+        layout = finer;
     }
 }
 

@@ -15,8 +15,9 @@ use super::{Grid, GridProgress, shape, start, stationary};
 use crate::checks::positive;
 use crate::error::{Error, Result};
 use crate::grid::{GRAZING, HOPELESS};
-use crate::problem::{COLLAPSE, Problem, Wall};
+use crate::problem::Problem;
 use crate::provenance::Provenance;
+use crate::walls::{COLLAPSE, Wall};
 use std::sync::Arc;
 
 /// How often a domain that loses too much at its edges is doubled.
@@ -123,11 +124,7 @@ impl Grid {
         let mut changes = fine.open.clone();
         changes.push(fine.returned());
         let changed: f64 = changes.iter().map(field::GridField::size).sum();
-        let (mut peak, mut least, mut negative_mass) = (0.0_f64, 0.0_f64, 0.0);
-        field.for_each_node(&field.shape.rule(0), |_, weight, p| {
-            (peak, least) = (peak.max(p), least.min(p));
-            negative_mass += weight * (-p).max(0.0);
-        });
+        let ([least, peak], negative_mass) = field.extremes();
         let mesh = &field.mesh;
         let mut edges = field.at_edges();
         let edge_level = edges.iter().map(|(.., level)| *level).fold(0.0, f64::max);

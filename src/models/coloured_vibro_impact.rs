@@ -1,9 +1,10 @@
 use super::Duffing;
 use crate::checks::{positive, require};
 use crate::error::Result;
-use crate::problem::{Problem, Wall};
+use crate::problem::Problem;
 use crate::scalar::Scalar;
 use crate::system::{Intensity, Oscillator, Parameter, Parametric, PolynomialDrift};
+use crate::walls::Wall;
 
 /// The Duffing oscillator above a wall under coloured and white noise: y″ + c y′ + k y + μ y³ = z + ξ₀ for y > b, z′ = a (ξ − z),
 /// and y′₊ = −r y′₋ at y = b.

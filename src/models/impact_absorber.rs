@@ -4,7 +4,8 @@ use crate::checks::positive;
 use crate::density::Density;
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::problem::{Problem, Wall};
+use crate::problem::Problem;
+use crate::walls::Wall;
 
 /// A structure, x″ + c x′ + k x + μ x³ + s = ξ, with an absorber of the mass ratio m, m y″ = s = κ (x − y) + γ (x′ − y′), that
 /// moves between two stops on the structure: |y − x| ≤ g, and the relative velocity y′ − x′ is multiplied by −r at impacts,

@@ -1,7 +1,8 @@
 use super::{Duffing, Solved};
 use crate::density::ExpPolynomial;
 use crate::error::Result;
-use crate::problem::{Problem, Wall};
+use crate::problem::Problem;
+use crate::walls::Wall;
 
 /// The Duffing oscillator above a one-sided wall that need not stand at its rest position:
 /// y″ + c y′ + k y + μ y³ = ξ for y > b, and y′₊ = −r y′₋ at y = b.

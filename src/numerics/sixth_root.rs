@@ -30,7 +30,7 @@ pub(crate) fn sixth_root<T: Number>(b: T) -> [T; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::{EIGHT, Eight};
+    use crate::numerics::{EIGHT, Lanes};
 
     /// All sizes that occur and more. A sixth power has six times the error of its base, and roundings of its own.
     #[test]
@@ -40,7 +40,7 @@ mod tests {
             let [root, inverse] = sixth_root(b);
             assert!((root.powi(6) / b - 1.0).abs() < 6.0 * 2.0 * f64::EPSILON, "{b:e}");
             assert!((inverse.powi(6) * b - 1.0).abs() < 6.0 * 2.0 * f64::EPSILON, "{b:e}");
-            let several = Eight(std::array::from_fn(|l| if l == 3 { b } else { 1.0 }));
+            let several: Lanes<EIGHT> = Lanes(std::array::from_fn(|l| if l == 3 { b } else { 1.0 }));
             assert_eq!([root, inverse], sixth_root(several).map(|roots| roots.at(3)));
             assert!((0..EIGHT).all(|l| l == 3 || sixth_root(several)[0].at(l) == 1.0));
         }

@@ -1,10 +1,10 @@
 //! Problems from their definitions.
 
 use super::family::{Family, Lifted};
-use super::field::{Field, Fixed, PolynomialField};
 use super::{Problem, SystemEquations};
 use crate::checks::dimension;
 use crate::error::{Error, Result};
+use crate::field::{Field, Fixed, PolynomialField};
 use crate::fokker_planck::{FokkerPlanck, Impulse, noise_induced_drift};
 use crate::polynomial::{Arena, Polynomial, Symbol};
 use crate::scalar::Scalar;

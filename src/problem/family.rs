@@ -1,9 +1,10 @@
 //! Problems at other values of their parameters, and the derivatives of their equations.
 
-use super::{Motion, Problem, Wall};
+use super::{Motion, Problem};
 use crate::error::{Error, Result};
 use crate::fokker_planck::{FokkerPlanck, Impulse};
 use crate::polynomial::is_real;
+use crate::walls::Wall;
 use num_dual::Dual64;
 
 /// What makes the problems of a system for any values of its parameters.

@@ -32,7 +32,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop")]
     use super::*;
     use crate::models::DuffingVanDerPol;
-    use crate::problem::Wall;
+    use crate::walls::Wall;
 
     #[test]
     fn a_mirror_turns_drift_and_walls_and_twice_is_the_problem_itself() {

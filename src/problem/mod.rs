@@ -1,43 +1,35 @@
 //! Problems: a system as data, made once from its definition, with its walls.
 
-mod contact;
+mod contacts;
 mod definition;
 mod expression;
 mod family;
-mod field;
-mod flow;
 mod gaussian_closure;
 mod impulses;
 mod mirror;
 mod modulated_moments;
 mod motion;
-mod room;
 mod symmetry;
 mod text;
 mod time_scales;
 #[cfg(test)]
 mod two_routes;
 mod units;
-mod wall;
 mod zhuravlev;
 
-pub(crate) use contact::Contact;
 pub use definition::Definition;
-pub(crate) use field::{Field, LANES, Lane};
-pub(crate) use flow::{Addition, Kicks, Nearness, near};
 pub(crate) use gaussian_closure::{gaussian_after, linear_after};
 pub(crate) use modulated_moments::ModulatedMoments;
 pub(crate) use motion::{Motion, PlaneMotion, StillMotion};
-pub(crate) use room::reflect;
 pub(crate) use symmetry::{Symmetry, odd};
 pub(crate) use time_scales::{TimeScales, two_digits};
-pub use wall::Wall;
-pub(crate) use wall::{COLLAPSE, limits};
 
 use crate::error::{Error, Result};
+use crate::field::Field;
 use crate::fokker_planck::{FokkerPlanck, Local, noise_induced_drift};
 use crate::polynomial::{Gaussian, Polynomial};
 use crate::system::Interpretation;
+use crate::walls::{Wall, is_room};
 use family::Family;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 use std::fmt;
@@ -113,7 +105,7 @@ impl Problem {
             return refused("offset of the wall", wall.offset(), remedy);
         }
         self.walls.push(wall);
-        if !room::is_room(&self.walls) {
+        if !is_room(&self.walls) {
             let remedy = "the motion must have room between the walls";
             return refused("offset of the wall", wall.offset(), remedy);
         }

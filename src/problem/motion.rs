@@ -1,10 +1,11 @@
 //! What of a problem moves with a parameter.
 
-use super::{Problem, Wall};
+use super::Problem;
 use crate::error::{Error, Result};
 use crate::fokker_planck::FokkerPlanck;
 use crate::numerics::least_norm;
 use crate::polynomial::Polynomial;
+use crate::walls::Wall;
 use faer::{Col, Mat};
 
 /// What is left of rates by rounding, relative to the largest.

@@ -1,10 +1,11 @@
 //! The fastest and the slowest rate of a system.
 
-use super::{Contact, Problem, units::natural_units};
+use super::{Problem, units::natural_units};
 use crate::error::{Error, Result};
 use crate::numerics::eigenvalues;
 use crate::polynomial::Gaussian;
 use crate::states::States;
+use crate::walls::Contact;
 use nalgebra::{DMatrix, DVector};
 
 /// The slowest rate counts as at least this part of the fastest.
@@ -207,7 +208,7 @@ pub(crate) fn two_digits(x: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::models::{Duffing, Solved};
-    use crate::problem::Wall;
+    use crate::walls::Wall;
 
     /// c/2 = 0.1; and k + 3μx² = 3.29 at two deviations, times the ratio of the deviations, 0.80, and c.
     #[test]

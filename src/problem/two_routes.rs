@@ -1,13 +1,15 @@
 //! Dual numbers through the definition against algebra on its polynomials: both are the same operator, to rounding.
 
-use super::{LANES, Lane, Problem};
+use super::Problem;
 use crate::error::Result;
+use crate::field::{LANES, Lane};
 use crate::fokker_planck::{Local, noise_induced_drift};
 use crate::models::{
     BistableHarvester, CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping,
     FilteredDuffing, Linear, NonlinearEnergySink, ParametricLinear, QuinticDuffing, Solved, TunedAbsorber,
     VanDerPolRayleigh, VelocityNoise, VibroImpactDuffing, ViscoelasticIsolator,
 };
+use crate::numerics::Lanes;
 use crate::polynomial::{Polynomial, monomials, power};
 use crate::scalar::Scalar;
 use crate::system::{Interpretation, PolynomialDrift};
@@ -109,8 +111,8 @@ fn both_routes_agree(problem: &Problem) -> Result<()> {
 /// The evaluations of a simulation: the noise, and short flows of the drift and of the noise, at many states at once.
 fn lanes_agree(problem: &Problem, stream: &mut ChaCha8Rng) {
     let (n, field, arch, tau) = (problem.dimension(), problem.field(), Arch::new(), 0.01);
-    let x: Vec<Lane> = (0..n).map(|_| std::array::from_fn(|_| stream.random_range(-2.5..2.5))).collect();
-    let mut found = vec![[f64::NAN; LANES]; n];
+    let x: Vec<Lane> = (0..n).map(|_| Lanes(std::array::from_fn(|_| stream.random_range(-2.5..2.5)))).collect();
+    let mut found = vec![Lanes([f64::NAN; LANES]); n];
     let at = |polynomials: &[Polynomial], x: &[f64]| polynomials.iter().map(|p| p.evaluate(x)).collect::<Vec<_>>();
     let ahead = |x: &[f64], slope: &[f64], tau: f64| x.iter().zip(slope).map(|(x, f)| x + tau * f).collect::<Vec<_>>();
     let check = |what: &str, expected: &dyn Fn(&[f64]) -> Vec<f64>, found: &[Lane]| {
@@ -125,7 +127,7 @@ fn lanes_agree(problem: &Problem, stream: &mut ChaCha8Rng) {
     for (k, column) in problem.columns().iter().enumerate() {
         field.noise(arch, k, &x, &mut found);
         check("noise", &|x| at(column, x), &found);
-        field.noise_flow(arch, k, &x, &[tau; LANES], &mut found);
+        field.noise_flow(arch, k, &x, &Lanes([tau; LANES]), &mut found);
         let flow = |x: &[f64]| {
             let first = at(column, x);
             let second = at(column, &ahead(x, &first, tau / 2.0));

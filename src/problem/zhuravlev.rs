@@ -1,6 +1,7 @@
-use super::{Problem, Wall};
+use super::Problem;
 use crate::error::{Error, Result};
 use crate::polynomial::{Polynomial, twelve_digits};
+use crate::walls::Wall;
 
 /// Zhuravlev's transformation y = |x| + b, y′ = x′ sgn x (V. F. Zhuravlev, 1976; M. F. Dimentberg and D. V. Iourtchenko,
 /// 2004, doi:10.1023/B:NODY.0000045510.93602.ca): it unfolds the half plane above a wall into a plane. Below a wall, take

@@ -1,7 +1,7 @@
 use super::{
-    lanes::Lanes, layout::TallyLayout, start::TrajectoryStart, statistics::Buffers, tally::Tally, timetable::Timetable,
+    group::Group, layout::TallyLayout, start::TrajectoryStart, statistics::Buffers, tally::Tally, timetable::Timetable,
 };
-use crate::problem::LANES;
+use crate::field::LANES;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -9,10 +9,10 @@ use std::ops::Range;
 /// be cheap.
 const BATCHES: usize = 64;
 
-/// Neighbouring trajectories, in groups of lanes of which the last may have idle ones.
+/// Neighbouring trajectories, in groups of which the last may have idle lanes.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(super) struct Trajectories {
-    pub(super) groups: Vec<Lanes>,
+    pub(super) groups: Vec<Group>,
 }
 
 /// The trajectories of one batch, the stretches they have completed, and the sums over them.
@@ -41,12 +41,12 @@ pub(super) fn deal(trajectories: usize) -> Vec<Range<u64>> {
 
 impl Trajectories {
     pub(super) fn new(range: Range<u64>, seed: u64, start: &TrajectoryStart) -> Self {
-        let group = |first| Lanes::new(seed, first..range.end, start.dimension(), |x| start.place(x));
+        let group = |first| Group::new(seed, first..range.end, start.dimension(), |x| start.place(x));
         Trajectories { groups: range.clone().step_by(LANES).map(group).collect() }
     }
 
     pub(super) fn count(&self) -> usize {
-        self.groups.iter().map(Lanes::trajectories).sum()
+        self.groups.iter().map(Group::trajectories).sum()
     }
 }
 

@@ -25,6 +25,11 @@ impl Axis {
         Ok(Axis { lo, width: length / bins as f64, bins })
     }
 
+    /// The same interval with half as many bins, as joint histograms have, but at least 3.
+    pub(super) fn halved(&self) -> Result<Self> {
+        Axis::new(self.lo, self.edge(self.bins), (self.bins / 2).max(3))
+    }
+
     /// The number of bins.
     pub(super) fn bins(&self) -> usize {
         self.bins

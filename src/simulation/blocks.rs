@@ -1,5 +1,5 @@
 use super::{boundaries::Boundaries, images::Images, layout::TallyLayout, passage::Record, scheme::Scheme};
-use crate::problem::{LANES, Lane};
+use crate::field::{LANES, Lane};
 use pulp::{Arch, NullaryFnOnce};
 use serde::{Deserialize, Serialize};
 
@@ -48,7 +48,7 @@ impl Blocks {
             begun: 0,
             count: 0.0,
             closed: vec![0.0; width],
-            open: vec![[0.0; LANES]; trajectories.div_ceil(LANES) * width],
+            open: vec![Lane::ZERO; trajectories.div_ceil(LANES) * width],
             products: vec![0.0; row(controls, tracked)],
         }
     }
@@ -89,7 +89,7 @@ impl Blocks {
             let products = &mut self.products;
             arch.dispatch(AddProducts { rows: &rows[..active * width], width, tracked, products });
         }
-        self.open.fill([0.0; LANES]);
+        self.open.fill(Lane::ZERO);
     }
 
     /// Σ s over all samples.
@@ -99,7 +99,7 @@ impl Blocks {
         for (group, sums) in self.open.chunks_exact(width).enumerate() {
             let active = (self.trajectories - group * LANES).min(LANES);
             for (total, lanes) in total.iter_mut().zip(sums) {
-                *total += lanes[..active].iter().sum::<f64>();
+                *total += lanes.0[..active].iter().sum::<f64>();
             }
         }
         total

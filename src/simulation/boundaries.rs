@@ -4,11 +4,12 @@ use super::{
     bins::Axis,
     chatter::Chatter,
     grazing::Grazing,
-    lanes::{read_lane, write_lane},
+    group::{read_lane, write_lane},
     passage::{Passage, Passages, Record, add_powers},
     scheme::Scheme,
 };
-use crate::problem::{Contact, LANES, Lane, Nearness};
+use crate::field::{LANES, Lane, Nearness};
+use crate::walls::Contact;
 
 /// The shortest rest on a wall that is counted, as a part of the time between two samples; a default time step is not longer.
 const SHORTEST_REST: f64 = 0.05;
@@ -127,12 +128,7 @@ impl Boundaries {
         passages: &mut Passages,
     ) {
         for (i, velocity) in self.velocities.iter().enumerate() {
-            x[i] = from[i];
-            if let Some(v) = *velocity {
-                for l in 0..LANES {
-                    x[i][l] += tau * from[v][l];
-                }
-            }
+            x[i] = velocity.map_or(from[i], |v| from[i] + from[v] * tau);
         }
         let mut beyond = [false; LANES];
         for wall in &self.walls {
@@ -250,7 +246,9 @@ mod tests {
     use super::*;
     use crate::error::Result;
     use crate::models::{Duffing, DuffingChain, Solved};
-    use crate::problem::{Problem, Wall};
+    use crate::numerics::Lanes;
+    use crate::problem::Problem;
+    use crate::walls::Wall;
 
     fn boundaries(problem: &Problem, levels: Vec<f64>) -> Boundaries {
         Boundaries::for_scheme(&Scheme::new(problem, 1.0, 0.1), &problem.contacts(), levels)
@@ -262,7 +260,7 @@ mod tests {
 
     /// Every other lane in one of two states.
     fn lanes([y, v]: [[f64; 2]; 2]) -> [Lane; 2] {
-        [y, v].map(|pair| std::array::from_fn(|l| pair[l % 2]))
+        [y, v].map(|pair| Lanes(std::array::from_fn(|l| pair[l % 2])))
     }
 
     /// From y = 0.75 at v = −1 the wall at 0.5 is reached after 0.25; the other 0.75 s go back at 0.5. All numbers are
@@ -270,10 +268,10 @@ mod tests {
     #[test]
     fn an_impact_is_exact() -> Result<()> {
         let boundaries = boundaries(&above()?, vec![0.625, 2.0]);
-        let (mut passages, mut x, mut state) = (boundaries.passages(), [[0.0; LANES]; 2], [0.0; 2]);
+        let (mut passages, mut x, mut state) = (boundaries.passages(), [Lane::ZERO; 2], [0.0; 2]);
         let from = lanes([[0.75, 1.0], [-1.0, -0.25]]);
         boundaries.drift(&from, 1.0, |l| l < 2, (&mut x, &mut state), &mut passages);
-        assert_eq!([&x[0][..2], &x[1][..2]], [[0.875, 0.75], [0.5, -0.25]]);
+        assert_eq!([&x[0].0[..2], &x[1].0[..2]], [[0.875, 0.75], [0.5, -0.25]]);
         assert_eq!(passages.impacts, [[1.0; 3]]);
         assert_eq!(passages.taken, [0.0, 0.375]);
         assert_eq!(passages.crossings, [[1.0, 0.5, 0.25], [0.0; 3]]);
@@ -285,12 +283,12 @@ mod tests {
     #[test]
     fn no_state_is_below_the_wall() -> Result<()> {
         let boundaries = boundaries(&above()?, vec![]);
-        let (mut passages, mut x, mut state) = (boundaries.passages(), [[0.0; LANES]; 2], [0.0; 2]);
+        let (mut passages, mut x, mut state) = (boundaries.passages(), [Lane::ZERO; 2], [0.0; 2]);
         for k in 0..1000 {
             let v = -1.3_f64.powi(k - 500);
             let from = lanes([[0.5, 0.5 + f64::EPSILON], [v, v]]);
             boundaries.drift(&from, 0.1, |_| true, (&mut x, &mut state), &mut passages);
-            assert!(x[0].iter().all(|&y| y >= 0.5));
+            assert!(x[0].0.iter().all(|&y| y >= 0.5));
         }
         let from = lanes([[0.5, f64::NAN], [f64::NEG_INFINITY, f64::NAN]]);
         boundaries.drift(&from, 0.1, |_| true, (&mut x, &mut state), &mut passages);

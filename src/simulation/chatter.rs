@@ -1,5 +1,5 @@
 use super::scheme::Scheme;
-use crate::problem::Contact;
+use crate::walls::Contact;
 
 /// The fewest steps of a flight between two impacts on a wall where no white noise acts on the velocity.
 const FLIGHT_STEPS: f64 = 8.0;
@@ -101,7 +101,7 @@ mod tests {
     use super::*;
     use crate::error::Result;
     use crate::models::{Duffing, FilteredDuffing};
-    use crate::problem::Wall;
+    use crate::walls::Wall;
 
     /// A wall at 0 behind a filter, with h = 1/16.
     fn chatter() -> Result<Chatter> {

@@ -4,8 +4,8 @@ use crate::density::{Counted, CountedImpacts, Crossing, Density, Evidence, Sampl
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::polynomial::of_one;
-use crate::problem::{Wall, limits};
 use crate::provenance::Provenance;
+use crate::walls::{Wall, limits};
 use std::fmt;
 use std::sync::Arc;
 
@@ -60,17 +60,17 @@ impl Density for SimulatedDensity {
         Ok(self.histograms[histogram].mean(g))
     }
 
+    /// Of states 0 and 1, and of those named by [`Simulation::joint`](crate::Simulation::joint) before the run.
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
         let [first, second] = pair(states, x, self.dimension())?;
-        if first + second != 1 {
-            let remedy = "a simulation counts states 0 and 1 together; put these first, or take another method";
-            return Err(Error::NotKnown { what: format!("the joint density of states {first} and {second}"), remedy });
-        }
-        let x = if first == 0 { x } else { [x[1], x[0]] };
-        if self.is_behind_wall(0, x[0]) || self.is_behind_wall(1, x[1]) {
+        if self.is_behind_wall(first, x[0]) || self.is_behind_wall(second, x[1]) {
             return Ok(NOTHING);
         }
-        Ok(self.histograms[self.dimension()].at(&x))
+        let x = if first < second { x } else { [x[1], x[0]] };
+        match (self.plane(), first + second) {
+            (Some(histogram), 1) => Ok(histogram.at(&x)),
+            _ => Ok(self.joint([first, second])?.at(&x)),
+        }
     }
 
     /// The raw moment. Tracked are all total degrees up to 4 for up to three states; for more states all up to 2, and the

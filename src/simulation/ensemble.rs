@@ -2,8 +2,8 @@ use super::{
     batch::{Batch, Trajectories},
     boundaries::Boundaries,
     control::Control,
+    group::{Group, Workspace},
     images::Images,
-    lanes::{Lanes, Workspace},
     layout::TallyLayout,
     passage::{Passages, Record},
     paths::Paths,
@@ -12,7 +12,7 @@ use super::{
     timetable::{Timetable, samples},
 };
 use crate::error::Result;
-use crate::problem::LANES;
+use crate::field::LANES;
 use crate::simulation::BURN_IN_STRETCHES;
 
 /// The number of the stretch of a burn-in after which states are compared with the samples, where these are few.
@@ -79,11 +79,11 @@ impl<'a> Ensemble<'a> {
         let sample = samples(*done);
         let steps = if *done < BURN_IN_STRETCHES {
             let before = &mut tally.before;
-            self.stretch(trajectories, *done, &[], &mut self.boundaries.passages(), work, |_, lanes, _, _| {
+            self.stretch(trajectories, *done, &[], &mut self.boundaries.passages(), work, |_, group, _, _| {
                 if *done + 1 == LATE {
-                    before[0] += lanes.trajectories() as f64;
-                    for (sum, x) in before[1..].iter_mut().zip(lanes.lanes()) {
-                        *sum += x[..lanes.trajectories()].iter().map(|x| x * x).sum::<f64>();
+                    before[0] += group.trajectories() as f64;
+                    for (sum, x) in before[1..].iter_mut().zip(group.lanes()) {
+                        *sum += x.0[..group.trajectories()].iter().map(|x| x * x).sum::<f64>();
                     }
                 }
             })?
@@ -92,18 +92,18 @@ impl<'a> Ensemble<'a> {
             let mut x = vec![0.0; self.scheme.states];
             let mut power = vec![[0.0; 2]; self.scheme.pairs.len()];
             let steps =
-                self.stretch(trajectories, *done, bounds, &mut passages, work, |group, lanes, passages, work| {
+                self.stretch(trajectories, *done, bounds, &mut passages, work, |number, group, passages, work| {
                     if !layout.control_variates.is_empty() {
                         let scene = (self.scheme, self.boundaries);
-                        tally.blocks.add(group, lanes.lanes(), &passages.record, layout, scene, images);
+                        tally.blocks.add(number, group.lanes(), &passages.record, layout, scene, images);
                     }
-                    for lane in 0..lanes.trajectories() {
-                        lanes.read_state(lane, &mut x);
+                    for lane in 0..group.trajectories() {
+                        group.read_state(lane, &mut x);
                         let resting = self.boundaries.resting_contacts(&x);
                         self.scheme.power(&x, resting, &mut work.scratch, &mut power);
                         tally.observe(layout, &x, sample, &power);
                         let crossed = &passages.crossed;
-                        let seen = Sample { trajectory: group * LANES + lane, x: &x, crossed, lane };
+                        let seen = Sample { trajectory: number * LANES + lane, x: &x, crossed, lane };
                         layout.recorders.observe(&mut tally.recordings, buffers, seen);
                     }
                 })?;
@@ -121,17 +121,17 @@ impl<'a> Ensemble<'a> {
     /// passages are recorded.
     pub(super) fn collect(&self, mut groups: Vec<Trajectories>, stretches: usize, bounds: &[f64]) -> Result<Paths> {
         let dimension = self.scheme.states;
-        let parts = self.control.on_all(&mut groups, |place, group| {
-            let mut paths = vec![Paths::new(dimension, samples(stretches)); group.count()];
+        let parts = self.control.on_all(&mut groups, |place, trajectories| {
+            let mut paths = vec![Paths::new(dimension, samples(stretches)); trajectories.count()];
             let mut x = vec![0.0; dimension];
-            self.through(place, group, stretches, bounds, |stretch, number, lanes, record| {
+            self.through(place, trajectories, stretches, bounds, |stretch, number, group, record| {
                 if stretch >= BURN_IN_STRETCHES {
                     let own = &mut paths[number * LANES..];
                     for ((lane, wall), at) in record.impacts.iter().zip(record.states.chunks_exact(dimension)) {
                         own[*lane].collided(*wall, at);
                     }
-                    for (lane, path) in own.iter_mut().enumerate().take(lanes.trajectories()) {
-                        lanes.read_state(lane, &mut x);
+                    for (lane, path) in own.iter_mut().enumerate().take(group.trajectories()) {
+                        group.read_state(lane, &mut x);
                         path.states.push(&x);
                     }
                 }
@@ -149,13 +149,13 @@ impl<'a> Ensemble<'a> {
         trajectories: &mut Trajectories,
         stretches: usize,
         bounds: &[f64],
-        mut observe: impl FnMut(usize, usize, &Lanes, &Record),
+        mut observe: impl FnMut(usize, usize, &Group, &Record),
     ) -> Result<()> {
         let (mut passages, mut work) = (self.boundaries.passages(), Workspace::new(self.scheme));
         for stretch in 0..stretches {
             let bounds = if stretch < BURN_IN_STRETCHES { &[] } else { bounds };
-            let visit = |group, lanes: &Lanes, passages: &Passages, _: &mut Workspace| {
-                observe(stretch, group, lanes, &passages.record);
+            let visit = |number, group: &Group, passages: &Passages, _: &mut Workspace| {
+                observe(stretch, number, group, &passages.record);
             };
             let steps = self.stretch(trajectories, stretch, bounds, &mut passages, &mut work, visit)?;
             self.control.report(steps * trajectories.count() as u64);
@@ -174,22 +174,22 @@ impl<'a> Ensemble<'a> {
         bounds: &[f64],
         passages: &mut Passages,
         work: &mut Workspace,
-        mut visit: impl FnMut(usize, &Lanes, &Passages, &mut Workspace),
+        mut visit: impl FnMut(usize, &Group, &Passages, &mut Workspace),
     ) -> Result<u64> {
         let before = self.timetable.steps(stretch);
         let steps = self.timetable.steps(stretch + 1) - before;
         let h = self.scheme.step;
-        for (group, lanes) in trajectories.groups.iter_mut().enumerate() {
+        for (number, group) in trajectories.groups.iter_mut().enumerate() {
             passages.forget();
             for piece in (0..steps).step_by(PIECE) {
                 let end = steps.min(piece + PIECE);
-                lanes.advance(self.scheme, self.boundaries, end - piece, passages, work);
-                lanes.check(bounds, (before + end) as f64 * h, h)?;
+                group.advance(self.scheme, self.boundaries, end - piece, passages, work);
+                group.check(bounds, (before + end) as f64 * h, h)?;
                 if self.timetable.is_long(stretch, self.trajectories) {
                     self.control.check_anywhere()?;
                 }
             }
-            visit(group, lanes, passages, work);
+            visit(number, group, passages, work);
         }
         Ok(steps as u64)
     }

@@ -8,7 +8,8 @@ use super::bins::Axis;
 use crate::functions::{Functions, ImpulseImages, images};
 use crate::numerics::sort_by_number;
 use crate::polynomial::monomials;
-use crate::problem::{Problem, limits};
+use crate::problem::Problem;
+use crate::walls::limits;
 use serde::{Deserialize, Serialize};
 
 /// The highest degree of a polynomial ψ for control variates. With a higher degree the rest of a moment after the regression

@@ -1,4 +1,4 @@
-use crate::problem::Wall;
+use crate::walls::Wall;
 
 /// The least ratio a of the speed of a trajectory beside a wall with r < 1 to what noise adds to it in one step.
 const RESOLUTION: f64 = 3.0;

@@ -4,9 +4,9 @@ use super::boundaries::Boundaries;
 use super::layout::TallyLayout;
 use super::passage::{POWERS, Record, powers};
 use super::scheme::Scheme;
+use crate::field::{LANES, Lane};
 use crate::functions::Scratch;
-use crate::numerics::{EIGHT, Eight, ZEROS};
-use crate::problem::{LANES, Lane};
+use crate::numerics::{EIGHT, Eight, Number};
 use pulp::NullaryFnOnce;
 
 /// Room for the tracked monomials and 𝓖ψ at sixteen states.
@@ -35,14 +35,14 @@ impl Images {
         let n = layout.axes.len();
         Images {
             interval,
-            drift: vec![[0.0; LANES]; n],
-            diffusion: vec![[0.0; LANES]; n * n],
-            monomials: vec![[1.0; LANES]; layout.monomials.len()],
+            drift: vec![Lane::ZERO; n],
+            diffusion: vec![Lane::ZERO; n * n],
+            monomials: vec![Lane::everywhere(1.0); layout.monomials.len()],
             state: vec![0.0; n],
-            x: vec![ZEROS; n],
-            values: vec![ZEROS; layout.control_variates.len()],
-            first: vec![ZEROS; n],
-            second: vec![ZEROS; n * n],
+            x: vec![Eight::ZERO; n],
+            values: vec![Eight::ZERO; layout.control_variates.len()],
+            first: vec![Eight::ZERO; n],
+            second: vec![Eight::ZERO; n * n],
             rows: vec![0.0; LANES * (layout.tracked() + layout.control_variates.len())],
             scratch: Scratch::default(),
         }
@@ -122,22 +122,17 @@ impl NullaryFnOnce for Add<'_> {
         let Add { layout, coupled, x, images, sums } = self;
         let Images { drift, diffusion, monomials, x: eight, first: f, second, scratch, .. } = images;
         for (k, &(lower, state)) in layout.products.iter().enumerate() {
-            let (lower, x) = (monomials[lower], x[state]);
-            for l in 0..LANES {
-                monomials[k + 1][l] = lower[l] * x[l];
-            }
+            monomials[k + 1] = monomials[lower] * x[state];
         }
         let (tracked, images) = sums.split_at_mut(layout.tracked());
         for (sum, value) in tracked.iter_mut().zip(&*monomials) {
-            for l in 0..LANES {
-                sum[l] += value[l];
-            }
+            *sum += *value;
         }
         for first in (0..LANES).step_by(EIGHT) {
             let part = first..first + EIGHT;
             let copy = |to: &mut [Eight], from: &[Lane]| {
                 for (to, from) in to.iter_mut().zip(from) {
-                    to.0.copy_from_slice(&from[part.clone()]);
+                    to.0.copy_from_slice(&from.0[part.clone()]);
                 }
             };
             copy(eight, x);

@@ -2,10 +2,11 @@
 
 use super::normal::{exponential, pair};
 use super::random::Random;
+use crate::field::{Addition, LANES};
 use crate::fokker_planck::Impulse;
 use crate::numerics::EIGHT;
 use crate::polynomial::Polynomial;
-use crate::problem::{Addition, LANES, Problem};
+use crate::problem::Problem;
 use crate::system::Amplitude;
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 use super::{batch::Trajectories, ensemble::Ensemble, random::PILOT, start::TrajectoryStart, timetable::Timetable};
 use crate::error::Result;
-use crate::problem::LANES;
+use crate::field::LANES;
 use crate::simulation::BURN_IN_STRETCHES;
 
 /// The trajectories of the pilot, which finds the ranges of histograms.
@@ -28,11 +28,11 @@ impl SimulationPilot {
         let firsts = (PILOT..PILOT + PILOT_TRAJECTORIES).step_by(LANES);
         let mut groups: Vec<_> =
             firsts.map(|first| Trajectories::new(first..first + LANES as u64, seed, start)).collect();
-        let seen = ensemble.control.on_all(&mut groups, |place, group| {
+        let seen = ensemble.control.on_all(&mut groups, |place, trajectories| {
             let (mut reach, mut x) = (nothing.clone(), vec![0.0; nothing.len()]);
-            ensemble.through(place, group, BURN_IN_STRETCHES, &[], |stretch, _, lanes, _| {
-                for lane in (0..lanes.trajectories()).filter(|_| 2 * stretch >= BURN_IN_STRETCHES) {
-                    lanes.read_state(lane, &mut x);
+            ensemble.through(place, trajectories, BURN_IN_STRETCHES, &[], |stretch, _, group, _| {
+                for lane in (0..group.trajectories()).filter(|_| 2 * stretch >= BURN_IN_STRETCHES) {
+                    group.read_state(lane, &mut x);
                     reach.iter_mut().zip(&x).for_each(|(reach, &x)| *reach = reach.joined(Reach::of(x)));
                 }
             })?;

@@ -9,8 +9,9 @@ use super::{
     timetable::Timetable,
 };
 use crate::polynomial::Polynomial;
-use crate::problem::{Problem, Wall};
+use crate::problem::Problem;
 use crate::simulation::BURN_IN_STRETCHES;
+use crate::walls::Wall;
 use serde::{Deserialize, Serialize};
 
 /// The options and settings that determine the results of a simulation of given length: two runs of one plan have the same
@@ -59,9 +60,7 @@ pub(super) fn same_level(a: f64, b: f64) -> bool {
 
 impl Plan {
     pub(super) fn layout(&self) -> TallyLayout {
-        let levels = self.velocity().map(|_| self.levels.as_slice());
-        let recorders = Recorders::new(&self.requests, self.interval(), levels);
-        let layout = TallyLayout::new(self.axes.clone(), self.plane, &self.requests.moments, recorders);
+        let layout = TallyLayout::new(self.axes.clone(), self.plane, &self.requests.moments, Recorders::new(self));
         layout.with(self.control_variates.clone(), self.displacements.len(), self.gates())
     }
 

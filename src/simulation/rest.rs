@@ -2,9 +2,10 @@
 
 use super::boundaries::{Boundaries, MOST_IMPACTS};
 use super::chatter::Chatter;
-use super::lanes::{read_lane, write_lane};
+use super::group::{read_lane, write_lane};
 use super::passage::Passages;
-use crate::problem::{Contact, LANES, Lane};
+use crate::field::{LANES, Lane};
+use crate::walls::Contact;
 
 impl Boundaries {
     /// Which of the walls that trajectories come to rest on a state rests on, one bit each.
@@ -72,8 +73,8 @@ mod tests {
     use super::*;
     use crate::error::Result;
     use crate::models::{Duffing, FilteredDuffing};
-    use crate::problem::Wall;
     use crate::simulation::scheme::Scheme;
+    use crate::walls::Wall;
 
     /// At rest the whole step counts, and of the step in which the trajectory leaves half; a kick towards the wall is taken back.
     #[test]
@@ -82,7 +83,7 @@ mod tests {
         let problem = filtered.with_wall(Wall::above(0.0, 0.5)?)?;
         let scheme = Scheme::new(&problem, 1.0, 1.0 / 16.0);
         let boundaries = Boundaries::for_scheme(&scheme, &problem.contacts(), Vec::new());
-        let (mut passages, mut rested) = (boundaries.passages(), vec![[0.0; LANES]]);
+        let (mut passages, mut rested) = (boundaries.passages(), vec![Lane::ZERO]);
         for (kicked, left) in [(-0.25, 0.0), (0.0, 0.0), (0.5, 0.5)] {
             let mut x = [0.0, kicked, 0.3];
             boundaries.hold(&mut x, 1, 0.25, (&mut rested, 0), &mut passages);

@@ -1,5 +1,6 @@
 use super::{
     batch::deal,
+    bins::Counts,
     calibration::{Calibration, Calibrations},
     histogram::Histogram,
     jackknife::jackknife,
@@ -99,7 +100,7 @@ impl SimulatedDensity {
     }
 
     /// The joint histogram of states 0 and 1; none for a single state.
-    pub fn joint(&self) -> Option<&Histogram> {
+    pub(super) fn plane(&self) -> Option<&Histogram> {
         self.histograms.get(self.layout.axes.len())
     }
 
@@ -136,6 +137,23 @@ impl SimulatedDensity {
     /// The mean speed of approach at an impact; none without a wall.
     pub fn mean_impact_speed(&self) -> Option<Estimate> {
         CountedImpacts::mean_impact_speed(self, &self.walls(), 1)
+    }
+
+    /// The distribution of the speed of approach at an impact, at all walls together; none without a wall. Its range is that
+    /// of the velocities' histograms, and its bins are as many.
+    pub fn impact_speeds(&self) -> Option<Histogram> {
+        self.speeds_at(&(0..self.plan.walls.len()).collect::<Vec<_>>())
+    }
+
+    /// The same at some of the walls.
+    pub(super) fn speeds_at(&self, walls: &[usize]) -> Option<Histogram> {
+        let axis = self.plan.impact_speeds()?;
+        let counts = |b: &Tally| {
+            let mut counts = Counts::new(&[axis]);
+            walls.iter().filter_map(|&wall| b.passages.speeds.get(wall)).for_each(|own| counts.join(own));
+            counts
+        };
+        Some(Histogram::new(&[axis], self.batches.iter().map(counts).collect()))
     }
 
     /// The share of the time that is spent at rest on a wall.

@@ -18,9 +18,11 @@ use super::{
 };
 use crate::checks::{finite, part, positive, require};
 use crate::error::{Error, Result};
-use crate::problem::{Contact, LANES, Problem, TimeScales, Wall, limits, two_digits};
+use crate::field::LANES;
+use crate::problem::{Problem, TimeScales, two_digits};
 use crate::simulation::{BURN_IN_STRETCHES, MOST_LEVELS, RESOLUTION, SAMPLING_INTERVAL, USUAL_IMPULSES};
 use crate::states::States;
+use crate::walls::{Contact, Wall, limits};
 use std::{
     ops::Range,
     time::{Duration, Instant},
@@ -191,7 +193,7 @@ impl<'a> Simulation<'a> {
         let scheme = Scheme::new(problem, self.amplitude, step);
         let interval = timetable.interval_steps as f64 * step;
         self.memory.check()?;
-        self.requests.validate(problem.dimension(), interval)?;
+        self.requests.check(problem.dimension(), interval)?;
         self.memory.holds("the segments of the spectra", self.requests.kept(self.trajectories), SHORTER)?;
         let start = TrajectoryStart::new(self, problem, step)?;
         Ok(Prepared { contacts, scheme, rate, timetable, samples, start })

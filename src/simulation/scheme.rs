@@ -1,7 +1,10 @@
 use super::impulses::Sources;
 use crate::envelope::Piece;
+use crate::field::{Addition, Field, Kicks, LANES, Lane, Nearness};
 use crate::fokker_planck::noise_induced_drift;
-use crate::problem::{Addition, Contact, Field, Kicks, LANES, Lane, Nearness, Problem};
+use crate::numerics::Number;
+use crate::problem::Problem;
+use crate::walls::Contact;
 use crate::{polynomial::Polynomial, system::Interpretation};
 use pulp::Arch;
 
@@ -135,7 +138,7 @@ impl<'a> Scheme<'a> {
         if self.modulation.is_some() {
             for (step, w) in (first..).zip(increments.chunks_exact_mut(self.processes.max(1))) {
                 let gain = self.gain(step);
-                w.iter_mut().flatten().for_each(|w| *w *= gain);
+                w.iter_mut().for_each(|w| *w = *w * gain);
             }
         }
     }
@@ -148,7 +151,7 @@ impl<'a> Scheme<'a> {
 
     pub(super) fn scratch(&self) -> StepBuffers {
         let n = self.states;
-        let lanes = [(); 2].map(|()| vec![[0.0; LANES]; n]);
+        let lanes = [(); 2].map(|()| vec![Lane::ZERO; n]);
         StepBuffers { lanes, drift: vec![0.0; n], diffusion: vec![0.0; n * n] }
     }
 
@@ -190,9 +193,7 @@ impl<'a> Scheme<'a> {
             for (k, w) in w.iter().enumerate() {
                 self.field.noise(self.arch, k, x, other);
                 for (x, g) in middle.iter_mut().zip(&*other) {
-                    for l in 0..LANES {
-                        x[l] += g[l] * self.amplitude * w[l];
-                    }
+                    *x += *g * self.amplitude * *w;
                 }
             }
         }
@@ -212,7 +213,8 @@ impl<'a> Scheme<'a> {
             self.field.kick(x, w, &self.through(noise, h, None, (1, &[])));
             return;
         }
-        let [mut lanes, w] = [&*x, w].map(|values| values.iter().map(|&value| [value; LANES]).collect::<Vec<_>>());
+        let [mut lanes, w] =
+            [&*x, w].map(|values| values.iter().map(|&value| Lane::everywhere(value)).collect::<Vec<_>>());
         self.kick(&mut lanes, (h, step), &w, &[reversed; LANES], scratch);
         x.iter_mut().zip(&lanes).for_each(|(x, lanes)| *x = lanes[0]);
     }
@@ -249,14 +251,14 @@ impl<'a> Scheme<'a> {
 
     /// The flow of the field G_k.
     fn along_field(&self, k: usize, x: &[Lane], w: &[Lane], to: &mut [Lane]) {
-        self.field.noise_flow(self.arch, k, x, &w[k].map(|s| s * self.amplitude), to);
+        self.field.noise_flow(self.arch, k, x, &(w[k] * self.amplitude), to);
     }
 
     /// The Itô drift and, by rows, the diffusion matrix at sixteen states, for noises that are not amplified.
     pub(super) fn coefficients(&self, x: &[Lane], drift: &mut [Lane], diffusion: &mut [Lane]) {
         self.field.ito_drifts(self.arch, x, drift);
         if let Noise::Constant { diffusion: constant, .. } = &self.noise {
-            diffusion.iter_mut().zip(constant).for_each(|(lanes, b)| *lanes = [*b; LANES]);
+            diffusion.iter_mut().zip(constant).for_each(|(lanes, b)| *lanes = Lane::everywhere(*b));
             return;
         }
         let (mut state, mut matrix) = (vec![0.0; self.states], vec![0.0; self.states * self.states]);

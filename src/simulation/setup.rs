@@ -229,6 +229,15 @@ impl<'a> Simulation<'a> {
         Simulation { levels: levels.into_iter().collect(), ..self }
     }
 
+    /// Moments to be kept besides those that always are (all degrees up to 4 for up to three states): the exponents of each,
+    /// of degree 32 at most. [`Density::moment`](crate::Density::moment) then has them.
+    ///
+    /// High moments depend on the tail: the relative standard error of E x^k grows about like 2^(k/2) for a normal density.
+    pub fn moments(mut self, exponents: impl IntoIterator<Item = impl AsRef<[u32]>>) -> Self {
+        self.requests.moments.extend(exponents.into_iter().map(|exponents| exponents.as_ref().to_vec()));
+        self
+    }
+
     /// The number of bins of each state's histogram, 128 by default. The joint histogram of states 0 and 1 has half as
     /// many along each, but at least 3. They cover the range of a pilot of 64 trajectories in the second half of its own burn-in,
     /// at least four standard deviations to either side, widened by a quarter at both ends; at a wall they begin exactly there.

@@ -1,8 +1,9 @@
 use super::Simulation;
 use crate::error::{Error, Result};
 use crate::polynomial::Frame;
-use crate::problem::{Contact, Problem, TimeScales, reflect};
+use crate::problem::{Problem, TimeScales};
 use crate::transient::Start;
+use crate::walls::{Contact, reflect};
 
 /// The noise of so many time steps spreads the default start: enough for trajectories to differ, too little to leave the rest
 /// position.

@@ -1,8 +1,8 @@
 //! The tests of whether a run still depends on its start, and whether it has a stationary density.
 
 use super::{calibration::Calibration, jackknife::jackknife, layout::TallyLayout, plan::Plan, tally::Tally};
-use crate::problem::{COLLAPSE, Wall};
 use crate::simulation::UNEVEN_WEIGHTS;
+use crate::walls::{COLLAPSE, Wall};
 
 /// The mean square of a state that changes by more standard errors from one half of a run to the other has not become
 /// stationary.

@@ -2,15 +2,17 @@ use super::{
     Simulation,
     boundaries::Boundaries,
     control::Control,
-    lanes::{Lanes, Workspace},
+    group::{Group, Workspace},
     scheme::Scheme,
     start::TrajectoryStart,
     timetable::Times,
 };
 use crate::error::{Error, Result};
+use crate::field::LANES;
 use crate::numerics::eigenvalues;
-use crate::problem::{Contact, LANES, Problem, TimeScales, two_digits};
+use crate::problem::{Problem, TimeScales, two_digits};
 use crate::simulation::{RESOLUTION, SAMPLING_INTERVAL, USUAL_IMPULSES};
+use crate::walls::Contact;
 use nalgebra::DMatrix;
 
 /// The time step beside a wall with r < 1 as a part of the time scale 1/ω of the motion, where the bias of means is (ωh)²/3,
@@ -90,7 +92,7 @@ impl Simulation<'_> {
         let scheme = Scheme::new(problem, self.amplitude, step);
         let boundaries = Boundaries::for_scheme(&scheme, contacts, Vec::new());
         let start = TrajectoryStart::new(self, problem, step)?;
-        let mut lanes = Lanes::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
+        let mut group = Group::new(self.seed, FIRST..FIRST + LANES as u64, scheme.states, |x| start.place(x));
         let time = times.burn_in.max(32.0 * times.interval);
         let steps = (time / step / STRETCHES as f64).ceil().clamp(1.0, MOST_STEPS) as usize;
         let (mut passages, mut work) = (boundaries.passages(), Workspace::new(&scheme));
@@ -99,11 +101,11 @@ impl Simulation<'_> {
             if stretch == STRETCHES / 2 {
                 passages = boundaries.passages();
             }
-            lanes.advance(&scheme, &boundaries, steps, &mut passages, &mut work);
-            lanes.check(&[], ((stretch + 1) * steps) as f64 * step, step)?;
+            group.advance(&scheme, &boundaries, steps, &mut passages, &mut work);
+            group.check(&[], ((stretch + 1) * steps) as f64 * step, step)?;
             control.check_anywhere()?;
             if stretch >= STRETCHES / 2 {
-                for x in &lanes.states() {
+                for x in &group.states() {
                     let rate = rate(problem, self.amplitude, x);
                     squares += rate * rate;
                     largest = largest.max(rate);

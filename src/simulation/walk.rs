@@ -3,7 +3,7 @@
 use super::batch::{Trajectories, deal};
 use super::boundaries::{Boundaries, is_beyond};
 use super::control::Control;
-use super::lanes::{Lanes, Workspace};
+use super::group::{Group, Workspace};
 use super::layout::TallyLayout;
 use super::passage::Passages;
 use super::pilot::Reach;
@@ -18,11 +18,13 @@ use crate::checks::require;
 use crate::envelope::{Envelope, Piece};
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::field::LANES;
 use crate::parallel;
-use crate::problem::{Contact, LANES, Problem};
+use crate::problem::Problem;
 use crate::provenance::Stopped;
 use crate::states::States;
 use crate::transient::{Course, Start, check_times};
+use crate::walls::Contact;
 use std::time::Instant;
 
 /// The most time steps of a trajectory between two reports of the progress.
@@ -68,7 +70,7 @@ impl<'a> Walk<'a> {
         simulation.requests = Requests { moments: simulation.requests.moments, ..Requests::default() };
         let contacts = problem.contacts();
         simulation.validate(problem, &contacts)?;
-        simulation.requests.validate(problem.dimension(), 1.0)?;
+        simulation.requests.check(problem.dimension(), 1.0)?;
         simulation.memory.check()?;
         let numbers = simulation.trajectories as f64 * problem.dimension() as f64;
         simulation.memory.holds("the trajectories' states", numbers, "take fewer, or raise `memory_limit`")?;
@@ -142,8 +144,8 @@ impl<'a> Walk<'a> {
     fn begin(&mut self) {
         let Some(within) = self.within else { return };
         for Walkers { trajectories, left } in &mut self.batches {
-            for (lanes, left) in trajectories.groups.iter().zip(left) {
-                *left = (0..LANES).map(|l| u64::from(is_beyond(within, lanes.lanes()[0][l])) << l).sum();
+            for (group, left) in trajectories.groups.iter().zip(left) {
+                *left = (0..LANES).map(|l| u64::from(is_beyond(within, group.lanes()[0][l])) << l).sum();
             }
         }
     }
@@ -157,8 +159,8 @@ impl<'a> Walk<'a> {
     fn go(&mut self, until: f64, steps: f64, plan: Option<&Plan>) -> Result<Vec<Passages>> {
         let Walk { simulation, control, problem, contacts, envelope, within, time, .. } = self;
         let (h, steps) = ((until - *time) / steps, steps as usize);
-        self.batches.iter_mut().flat_map(|batch| &mut batch.trajectories.groups).for_each(Lanes::turn_over);
-        let before = self.batches.first().and_then(|batch| batch.trajectories.groups.first()).map_or(0, Lanes::taken);
+        self.batches.iter_mut().flat_map(|batch| &mut batch.trajectories.groups).for_each(Group::turn_over);
+        let before = self.batches.first().and_then(|batch| batch.trajectories.groups.first()).map_or(0, Group::taken);
         let modulation = |envelope: &Envelope| {
             let piece: Piece = *envelope.piece(*time);
             Modulation { piece, begin: *time, before, peak: envelope.peak() }
@@ -172,10 +174,10 @@ impl<'a> Walk<'a> {
             let count = walkers.trajectories.count();
             for first in (0..steps).step_by(PIECE) {
                 let more = PIECE.min(steps - first);
-                for (lanes, left) in walkers.trajectories.groups.iter_mut().zip(&mut walkers.left) {
+                for (group, left) in walkers.trajectories.groups.iter_mut().zip(&mut walkers.left) {
                     passages.forget();
-                    lanes.advance(&scheme, &boundaries, more, &mut passages, &mut work);
-                    lanes.check(&[], *time + (first + more) as f64 * h, h)?;
+                    group.advance(&scheme, &boundaries, more, &mut passages, &mut work);
+                    group.check(&[], *time + (first + more) as f64 * h, h)?;
                     *left |= passages.left;
                 }
                 control.report((more * count) as u64);
@@ -193,8 +195,8 @@ impl<'a> Walk<'a> {
     /// The states of all trajectories.
     pub(super) fn states(&self) -> States {
         let mut all = States::with_capacity(self.problem.dimension(), self.simulation.trajectories);
-        for lanes in self.batches.iter().flat_map(|batch| &batch.trajectories.groups) {
-            all.extend(&lanes.states());
+        for group in self.batches.iter().flat_map(|batch| &batch.trajectories.groups) {
+            all.extend(&group.states());
         }
         all
     }
@@ -202,7 +204,7 @@ impl<'a> Walk<'a> {
     /// The share of the trajectories that have not left the limits.
     pub(super) fn survival(&self) -> Estimate {
         let groups = self.batches.iter().flat_map(|batch| batch.trajectories.groups.iter().zip(&batch.left));
-        let of_group = |(lanes, left): (&Lanes, &u64)| (0..lanes.trajectories()).filter(|l| left >> l & 1 == 0).count();
+        let of_group = |(group, left): (&Group, &u64)| (0..group.trajectories()).filter(|l| left >> l & 1 == 0).count();
         let count = self.simulation.trajectories as f64;
         let share = groups.map(of_group).sum::<usize>() as f64 / count;
         // One trajectory is the least that a share is uncertain by.
@@ -251,9 +253,9 @@ impl Trajectories {
     fn tally(&self, batch: usize, layout: &TallyLayout, passages: Passages, h: f64) -> Tally {
         let mut tally = Tally::new(batch, self.count(), layout, passages);
         let mut x = vec![0.0; layout.axes.len()];
-        for lanes in &self.groups {
-            for lane in 0..lanes.trajectories() {
-                lanes.read_state(lane, &mut x);
+        for group in &self.groups {
+            for lane in 0..group.trajectories() {
+                group.read_state(lane, &mut x);
                 tally.observe(layout, &x, 0, &[]);
             }
         }

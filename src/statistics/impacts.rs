@@ -4,7 +4,8 @@ use crate::checks::{dimension, finite, state_index};
 use crate::density::{Counted, CountedImpacts, Crossing, Density};
 use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::problem::{Problem, Wall};
+use crate::problem::Problem;
+use crate::walls::Wall;
 use std::sync::Arc;
 
 /// The impacts at the walls of a problem, at all of them together or at one.

@@ -4,6 +4,7 @@ use crate::checks::{finite, state_index};
 use crate::density::{Counted, Density};
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::numerics::turn;
 use std::sync::Arc;
 
 /// Points on each panel in the search for extrema.
@@ -156,13 +157,9 @@ impl Marginal {
     }
 
     /// Where the slope changes sign between `low` and `high`.
-    fn stationary(&self, mut low: f64, mut high: f64) -> f64 {
+    fn stationary(&self, low: f64, high: f64) -> f64 {
         let rising = self.curve.slope(low).value > 0.0;
-        for _ in 0..60 {
-            let middle = (low + high) / 2.0;
-            if (self.curve.slope(middle).value > 0.0) == rising { low = middle } else { high = middle }
-        }
-        (low + high) / 2.0
+        turn([low, high], |x| (self.curve.slope(x).value > 0.0) == rising)
     }
 
     /// Where a monotone integral has a value.
@@ -175,21 +172,10 @@ impl Marginal {
 
 /// Where a monotone function has a value; the error is the change of that place when the function changes by its own error.
 pub(super) fn inverse(f: impl Fn(f64) -> Estimate, range: [f64; 2], target: f64, rising: bool) -> Estimate {
-    let solve = |target: f64| crossing(|x| f(x).value - target, range, rising);
+    // The nearer end where the function has no such value.
+    let solve = |target: f64| turn(range, |x| (f(x).value - target < 0.0) == rising);
     let x = solve(target);
     let error = f(x).error;
     let moved = [target - error, target + error].map(|target| (solve(target) - x).abs());
     Estimate::new(x, moved[0].max(moved[1]) + f64::EPSILON * x.abs())
-}
-
-/// Where a monotone function has its zero, by bisection; the nearer end if it has none.
-fn crossing(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], rising: bool) -> f64 {
-    while low < high {
-        let middle = low + (high - low) / 2.0;
-        if middle <= low || middle >= high {
-            break;
-        }
-        if (f(middle) < 0.0) == rising { low = middle } else { high = middle }
-    }
-    low + (high - low) / 2.0
 }

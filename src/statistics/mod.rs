@@ -53,7 +53,7 @@ use crate::checks::require;
 use crate::density::Crossing;
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::problem::Wall;
+use crate::walls::Wall;
 
 /// Refuses a number that is not strictly between 0 and 1.
 fn probability(value: f64) -> Result<f64> {

@@ -1,6 +1,6 @@
 use crate::density::Density;
 use crate::error::{Error, Result};
-use crate::numerics::sort_by_number;
+use crate::numerics::{kronecker, sort_by_number};
 
 /// Points along each of one or two states in the scan for maxima.
 const SCAN: usize = 61;
@@ -54,11 +54,9 @@ fn starts(density: &dyn Density, bounds: &[[f64; 2]]) -> Result<Vec<Vec<f64>>> {
         bounds.iter().enumerate().map(|(i, [low, high])| low + share(i) * (high - low)).collect()
     };
     if n > 2 {
-        // A Kronecker sequence by square roots, as even as a lattice and not aligned with it.
-        let share = |k: usize, i: usize| ((k + 1) as f64 * (i as f64 + 2.37).sqrt() * 0.754_877_666).fract();
         let mut points = Vec::with_capacity(POINTS);
         for k in 0..POINTS {
-            let x = at(&|i| share(k, i));
+            let x = at(&|i| kronecker(k, i));
             let log = density.log_pdf(&x)?;
             if log.is_finite() {
                 points.push((x, log));

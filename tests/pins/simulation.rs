@@ -58,7 +58,7 @@ fn calibrated(pins: &mut Pins) -> Result<()> {
     pins.estimates("high moments", SUMS, &[found.moment(&[0, 6])?, found.moment(&[3, 2])?]);
     pins.estimates("crossings", SUMS, &[found.upcrossing_rate(0.0)?, found.upcrossing_rate(1.0)?]);
     histogram(pins, "displacement", found.histogram(0)?)?;
-    let joint = found.joint().unwrap();
+    let joint = found.joint([0, 1])?;
     pins.estimates("joint", SUMS, &[joint.cell(&[8, 7])?, joint.density_at(&[0.3, -0.4])?]);
     pins.estimates("mean of a function", SUMS, &[found.variance(0)?]);
     Ok(())

@@ -23,7 +23,7 @@ fn bits(result: &SimulatedDensity) -> Result<Vec<u64>> {
     for k in 0..result.histogram(0)?.len() {
         values.extend([result.histogram(0)?.bin(k)?, result.histogram(1)?.bin(k)?]);
     }
-    if let Some(joint) = result.joint() {
+    if let Ok(joint) = result.joint([0, 1]) {
         let [rows, columns] = [0, 1].map(|k| joint.edges(k).count() - 1);
         for cell in 0..rows * columns {
             values.push(joint.cell(&[cell / columns, cell % columns])?);

@@ -3,7 +3,7 @@
 use crate::common::{OrnsteinUhlenbeck, threads_of};
 use expoly::{
     Density, Error, Estimate, Problem, Progress, Result, SimulatedDensity, Simulation, Wall,
-    models::{Duffing, Linear, Solved},
+    models::{Duffing, DuffingChain, Linear, Solved},
 };
 use std::{f64::consts::PI, f64::consts::TAU, fs, ops::ControlFlow, time::Duration};
 
@@ -219,5 +219,26 @@ fn questions_without_a_meaning_are_refused() -> Result<()> {
     assert!(matches!(short.spectrum(1), Err(Error::NotKnown { .. })));
     assert!(matches!(short.first_passage(0.0), Err(Error::NotKnown { .. })));
     assert!(matches!(short.moment(&[0, 6]), Err(Error::NotKnown { .. })));
+    Ok(())
+}
+
+/// Two coupled linear oscillators, whose density is normal: joint densities by the quadratic through three bins along each state, of a
+/// sixth of a deviation each, which is off by 1e-3 of the peak; and pairs that cannot be had.
+#[test]
+fn any_two_states_have_a_joint_histogram_on_request() -> Result<()> {
+    let chain = DuffingChain::new(&[0.4, 0.4], 1.0, 0.0, 0.5, 0.45)?;
+    let (problem, exact) = (chain.problem()?, chain.exact()?);
+    let simulation = || Simulation::new().samples(400_000).seed(2);
+    let found = simulation().joint([2, 0]).joint([1, 3]).run(&problem)?;
+    for (pair, x) in [([0, 2], [0.0, 0.0]), ([2, 0], [0.5, 0.3]), ([1, 3], [-0.4, 0.4]), ([0, 1], [0.2, -0.3])] {
+        let truth = exact.joint_marginal(pair, x)?.value;
+        assert_close(&format!("p{pair:?}"), found.joint_marginal(pair, x)?, truth, 0.06 * truth);
+    }
+    assert_eq!(found.joint([3, 1])?.samples(), 400_384);
+    assert!(matches!(found.joint_marginal([0, 3], [0.0; 2]), Err(Error::NotKnown { .. })));
+    for pair in [[1, 1], [2, 0]] {
+        assert!(matches!(simulation().joint([0, 2]).joint(pair).run(&problem), Err(Error::OutOfRange { .. })));
+    }
+    assert!(matches!(simulation().joint([0, 4]).run(&problem), Err(Error::Dimension { .. })));
     Ok(())
 }

@@ -12,9 +12,9 @@ use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::functions::Corner;
 use crate::polynomial::power;
-use crate::problem::Wall;
 use crate::provenance::Provenance;
 use crate::states::States;
+use crate::walls::Wall;
 use std::sync::Arc;
 
 impl ClosureDensity {

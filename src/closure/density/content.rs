@@ -10,9 +10,9 @@ use crate::closure::reference::ReferenceDensity;
 use crate::closure::samples::{ImportanceRule, Lattice};
 use crate::functions::HIGHEST;
 use crate::numerics::Rule;
-use crate::problem::COLLAPSE;
 use crate::provenance::Provenance;
 use crate::record::{Read, exponents};
+use crate::walls::COLLAPSE;
 use serde::{Deserialize, Serialize};
 
 /// The standard errors by which a density's own impact rate may be off from the counted one, in three states and more, beyond a

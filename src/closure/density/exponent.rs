@@ -3,7 +3,7 @@ use crate::closure::space::sweep::{self, Function, Points, STRETCH, enter_couple
 use crate::density::escape_direction;
 use crate::fokker_planck::Local;
 use crate::functions::{Corner, Functions, PlaneOperator, Scratch};
-use crate::numerics::{EIGHT, Eight, Number, ZEROS};
+use crate::numerics::{EIGHT, Eight, Number};
 use crate::parallel;
 use crate::record::Read;
 use crate::states::States;
@@ -151,12 +151,13 @@ impl NullaryFnOnce for ResidualSweep<'_, '_> {
     fn call(self) {
         let Exponent { known, space, coefficients, .. } = self.exponent;
         let n = self.points.states;
-        let (mut x, mut backward, mut diffusion) = (vec![ZEROS; n], vec![ZEROS; n], vec![ZEROS; n * n]);
+        let (mut x, mut backward, mut diffusion) =
+            (vec![Eight::ZERO; n], vec![Eight::ZERO; n], vec![Eight::ZERO; n * n]);
         let (mut coupled, mut scratch, mut gradient) = (Vec::with_capacity(n), Scratch::default(), vec![0.0; n]);
         for first in (0..self.points.len()).step_by(EIGHT) {
             self.points.place(first, &mut x);
             space.place(&x, &mut scratch);
-            let mut residual = ZEROS;
+            let mut residual = Eight::ZERO;
             if let Some(local) = self.local {
                 for l in 0..EIGHT {
                     let local = local(self.from + (first + l).min(self.points.len() - 1));

@@ -10,8 +10,9 @@ use crate::closure::space::nested_spaces::{SpaceFamily, Walled};
 use crate::closure::{FULL_DROP, LOW_DEGREE, WIDENING};
 use crate::functions::{Corner, Functions, Polynomials};
 use crate::numerics::Rule;
-use crate::problem::{Problem, Symmetry, Wall};
+use crate::problem::{Problem, Symmetry};
 use crate::states::States;
+use crate::walls::Wall;
 
 /// Next to walls in two states the answer is defined where the reference is above e^−21 = 1e-9 of its highest value, which next
 /// to a grazing point is far above the rest.

@@ -6,7 +6,7 @@ use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
 use crate::closure::space::sweep;
 use crate::functions::Functions;
-use crate::problem::Contact;
+use crate::walls::Contact;
 use faer::{Mat, MatRef};
 
 /// What is counted at the impacts on each wall: Σ 1, Σ |w| and Σ w² of the speeds of approach, and the impacts in bins of |w|.

@@ -4,8 +4,9 @@ use crate::closure::pilot::Pilot;
 use crate::closure::samples::WIDENING_AT_WALLS;
 use crate::closure::{CUT_AT_WALLS, WIDENING};
 use crate::error::{Error, Result};
-use crate::problem::{Contact, Symmetry, odd};
+use crate::problem::{Symmetry, odd};
 use crate::record::{Read, positive, states};
+use crate::walls::Contact;
 use nalgebra::{Cholesky, DMatrix};
 use serde::{Deserialize, Serialize};
 

@@ -3,7 +3,7 @@
 use super::likelihood::{BLOCK, Fit, Likelihood, ROOM, ROWS, lane};
 use crate::fokker_planck::Local;
 use crate::functions::{Corner, Form, Scratch};
-use crate::numerics::{EIGHT, Eight, Number, ZEROS, add_gram, symmetric};
+use crate::numerics::{EIGHT, Eight, Number, add_gram, symmetric};
 use crate::parallel;
 use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
@@ -33,13 +33,13 @@ pub(super) struct Sites {
 impl Sites {
     pub(super) fn new(problem: &Problem, corners: &[Corner]) -> Self {
         let n = problem.dimension();
-        let [x, drift, backward] = [(); 3].map(|()| vec![ZEROS; n]);
+        let [x, drift, backward] = [(); 3].map(|()| vec![Eight::ZERO; n]);
         let b = problem.operator().diffusion();
         let coupled = problem.operator().coupled();
         let noisy = (0..n).filter(|&i| !b[i][i].is_zero()).collect();
-        let (diffusion, local) = (vec![ZEROS; n * n], Local::new(n));
+        let (diffusion, local) = (vec![Eight::ZERO; n * n], Local::new(n));
         let grazed = corners.iter().filter(|corner| corner.grazes()).cloned().collect();
-        Sites { x, drift, diffusion, backward, source: ZEROS, coupled, noisy, local, grazed }
+        Sites { x, drift, diffusion, backward, source: Eight::ZERO, coupled, noisy, local, grazed }
     }
 
     /// Up to eight states, one after the other in `states`; the last stands in for those that are missing.
@@ -172,7 +172,7 @@ impl Likelihood<'_> {
                 r += sites.diffusion[i * slope.len() + j] * 0.5 * slope[i] * slope[j];
             }
         }
-        let mut parts = ZEROS;
+        let mut parts = Eight::ZERO;
         for (f, slope) in sites.drift.iter().zip(slope) {
             parts += (*f * *slope).map(|part| part.powi(2));
         }

@@ -5,7 +5,8 @@ use crate::closure::space::WallLevel;
 use crate::closure::space::degrees::Degrees;
 use crate::functions::{Corner, Functions, Polynomials};
 use crate::numerics::sort_by_number;
-use crate::problem::{Contact, Problem, Symmetry};
+use crate::problem::{Problem, Symmetry};
+use crate::walls::Contact;
 
 /// The functions besides the polynomials of an order next to walls in four states and more: those of the closure, and those by
 /// which its error is estimated. Polynomials of degree 0 in the other states left an oscillator beside a second mass with twice
@@ -169,8 +170,8 @@ mod tests {
     use super::*;
     use crate::error::Result;
     use crate::models::{DuffingChain, Solved};
-    use crate::problem::Wall;
     use crate::states::States;
+    use crate::walls::Wall;
 
     /// The noises of two bodies, of intensity c_i T each, add up at a wall between them.
     #[test]

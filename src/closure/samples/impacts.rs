@@ -5,7 +5,7 @@ use super::likelihood::{BLOCK, Likelihood, ROWS};
 use super::wall_nodes::WallNodes;
 use crate::estimate::Estimate;
 use crate::functions::Scratch;
-use crate::numerics::{EIGHT, Eight, ZEROS, add_gram};
+use crate::numerics::{EIGHT, Eight, add_gram};
 use crate::parallel;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
@@ -25,7 +25,7 @@ impl Likelihood<'_> {
         mut visit: impl FnMut(usize, Eight, Eight, &[Scratch<Eight>; 2]),
     ) {
         let mut scratch = [Scratch::default(), Scratch::default()];
-        let mut lanes = vec![ZEROS; self.space.dimension()];
+        let mut lanes = vec![Eight::ZERO; self.space.dimension()];
         for first in range.clone().step_by(EIGHT) {
             let count = EIGHT.min(range.end - first);
             for (states, scratch) in [&wall.before, &wall.after].into_iter().zip(&mut scratch) {
@@ -33,7 +33,7 @@ impl Likelihood<'_> {
                 self.space.place_values(&lanes, scratch);
             }
             let [before, after] = scratch.each_ref().map(|scratch| self.combined(a, scratch));
-            let (mut weights, mut defects) = (ZEROS, ZEROS);
+            let (mut weights, mut defects) = (Eight::ZERO, Eight::ZERO);
             for l in 0..count {
                 weights[l] = (before[l] + wall.base[first + l] - log_mass).exp();
                 defects[l] = before[l] - after[l] + wall.defect[first + l];

@@ -10,7 +10,7 @@ use crate::closure::space::sweep::Function;
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::functions::Scratch;
-use crate::numerics::{EIGHT, ZEROS, exponentials};
+use crate::numerics::{EIGHT, Eight, exponentials};
 use crate::parallel;
 use crate::record::{Read, positive, states};
 use crate::states::States;
@@ -229,10 +229,10 @@ impl ImportanceRule {
     fn block(&self, sampler: &Draws<'_>, block: usize, mut each: impl FnMut(&[f64], f64)) {
         let n = self.exponent.space.dimension();
         let mut scratch = Scratch::default();
-        let mut lanes = vec![ZEROS; n];
+        let mut lanes = vec![Eight::ZERO; n];
         let (mut points, mut logarithms) = (vec![0.0; EIGHT * n], [0.0; EIGHT]);
         let mut flush = |points: &[f64], logarithms: &[f64]| {
-            lanes.fill(ZEROS);
+            lanes.fill(Eight::ZERO);
             for (l, point) in points.chunks_exact(n).enumerate() {
                 lanes.iter_mut().zip(point).for_each(|(lane, x)| lane[l] = *x);
             }

@@ -4,7 +4,7 @@ use super::nodes::SampleNodes;
 use super::wall_nodes::WallNodes;
 use crate::estimate::Estimate;
 use crate::functions::{Corner, Functions, Scratch};
-use crate::numerics::{Concave, EIGHT, Eight, Search, ZEROS, exponentials};
+use crate::numerics::{Concave, EIGHT, Eight, Search, exponentials};
 use crate::parallel;
 use faer::Mat;
 use faer::linalg::solvers::{Llt, Solve};
@@ -115,7 +115,7 @@ impl Likelihood<'_> {
     /// ln ∫ exp(Q), where the mass of each draw is known, from the heaviest of them.
     pub(super) fn log_mass_by(&self, a: &[f64], masses: &[f64]) -> f64 {
         let heaviest = (0..masses.len()).max_by(|i, k| masses[*i].total_cmp(&masses[*k])).unwrap_or(0);
-        let mut q = ZEROS;
+        let mut q = Eight::ZERO;
         self.each(heaviest, 1, &mut Scratch::default(), |_, _, scratch| q = self.combined(a, scratch));
         q[0] + self.nodes.base[heaviest] - masses[heaviest].ln()
     }
@@ -129,7 +129,7 @@ impl Likelihood<'_> {
     pub(super) fn means(&self, masses: &[f64]) -> Vec<f64> {
         let size = self.space.len();
         let part = |block: usize| {
-            let (p, mut sums) = (run_of(masses, BLOCK, block), vec![ZEROS; size]);
+            let (p, mut sums) = (run_of(masses, BLOCK, block), vec![Eight::ZERO; size]);
             self.each(block * BLOCK, p.len(), &mut Scratch::default(), |at, count, scratch| {
                 let p = lane(&p[at..at + count]);
                 for (k, sum) in sums.iter_mut().enumerate() {
@@ -171,7 +171,7 @@ impl Likelihood<'_> {
         mut visit: impl FnMut(usize, usize, &Scratch<Eight>),
     ) {
         let n = self.space.dimension();
-        let mut lanes = vec![ZEROS; n];
+        let mut lanes = vec![Eight::ZERO; n];
         for at in (0..count).step_by(EIGHT) {
             let used = EIGHT.min(count - at);
             for l in 0..EIGHT {
@@ -221,7 +221,7 @@ impl Concave for Towards<'_> {
 
 /// At most eight numbers, and zeros in place of those that are missing.
 pub(super) fn lane(values: &[f64]) -> Eight {
-    let mut lane = ZEROS;
+    let mut lane = Eight::ZERO;
     lane.0[..values.len()].copy_from_slice(values);
     lane
 }

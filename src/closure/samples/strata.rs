@@ -8,8 +8,8 @@ use crate::closure::pilot::Pilot;
 use crate::functions::Corner;
 use crate::numerics::Rule;
 use crate::parallel;
-use crate::problem::Contact;
 use crate::states::States;
+use crate::walls::Contact;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// The most states in which nodes next to walls are Gauss nodes across the walls' line and a lattice along it: a bound on work.

@@ -5,10 +5,11 @@ use crate::closure::PILOT_TRAJECTORIES;
 use crate::closure::pilot::Pilot;
 use crate::closure::space::sweep::enter;
 use crate::functions::{Functions, ImpulseImages, Scratch};
-use crate::numerics::{EIGHT, Eight, ZEROS};
+use crate::numerics::{EIGHT, Eight};
 use crate::parallel;
-use crate::problem::{Contact, Problem};
+use crate::problem::Problem;
 use crate::simulation::{Collisions, Impact};
+use crate::walls::Contact;
 use faer::{Mat, MatMut};
 use pulp::{Arch, NullaryFnOnce};
 use std::ops::Range;
@@ -123,10 +124,10 @@ impl<'a> PilotWalk<'a> {
             let n = self.problem.dimension();
             let mut place = WalkBuffers {
                 arch: Arch::new(),
-                x: vec![ZEROS; n],
+                x: vec![Eight::ZERO; n],
                 sites: Sites::new(self.problem, &[]),
                 scratch: Scratch::default(),
-                ends: [vec![ZEROS; n], vec![ZEROS; n]],
+                ends: [vec![Eight::ZERO; n], vec![Eight::ZERO; n]],
                 rows: 0..0,
             };
             let mut result = zero();
@@ -183,7 +184,7 @@ impl<'a> PilotWalk<'a> {
 
     /// Their images in all rows of a trajectory.
     pub(in crate::closure) fn images(&self, t: usize, place: &mut WalkBuffers) -> Mat<f64> {
-        let mut after = vec![ZEROS; self.space.len() + 1];
+        let mut after = vec![Eight::ZERO; self.space.len() + 1];
         let states = |place: &mut WalkBuffers, table: MatMut<'_, f64>| self.enter_images(t, place, table);
         self.tabulated(t, place, states, |place, _, table| self.enter_jumps(place, &mut after, table))
     }

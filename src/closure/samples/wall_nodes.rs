@@ -6,8 +6,9 @@ use crate::closure::pilot::Pilot;
 use crate::closure::samples::WIDENING_AT_WALLS;
 use crate::functions::Corner;
 use crate::numerics::{EIGHT, Eight};
-use crate::problem::{Contact, Symmetry};
+use crate::problem::Symmetry;
 use crate::states::States;
+use crate::walls::Contact;
 
 /// The fewest impacts of the pilot on a wall from which the distribution of their places and speeds is taken.
 const LEAST_IMPACTS: usize = 200;
@@ -106,7 +107,7 @@ mod tests {
     use super::*;
     use crate::error::Result;
     use crate::models::{DuffingChain, Solved};
-    use crate::problem::Wall;
+    use crate::walls::Wall;
 
     /// The singular part of ln p holds the condition of a wall between two bodies by itself.
     #[test]

@@ -51,7 +51,7 @@ mod tests {
     use super::*;
     use crate::error::Error;
     use crate::models::{Duffing, Solved};
-    use crate::problem::Wall;
+    use crate::walls::Wall;
 
     /// Against central differences, which are off by h² = 1e-8 times a third derivative of order 1.
     #[test]

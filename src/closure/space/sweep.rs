@@ -1,7 +1,7 @@
 //! Functions at many points: eight at a time, on all threads.
 
 use crate::functions::{Functions, Scratch};
-use crate::numerics::{EIGHT, Eight, Number, ZEROS, stretches};
+use crate::numerics::{EIGHT, Eight, Number, stretches};
 use crate::parallel;
 use crate::states::States;
 use faer::{Mat, MatMut};
@@ -108,7 +108,7 @@ impl<F: Function> NullaryFnOnce for ValueSweep<'_, F> {
 
     #[inline(always)]
     fn call(self) {
-        let (mut x, mut scratch) = (vec![ZEROS; self.points.states], Scratch::default());
+        let (mut x, mut scratch) = (vec![Eight::ZERO; self.points.states], Scratch::default());
         for (group, to) in self.to.chunks_mut(EIGHT).enumerate() {
             self.points.place(group * EIGHT, &mut x);
             let values = self.function.at(&x, &mut scratch);
@@ -127,8 +127,8 @@ impl NullaryFnOnce for SumSweep<'_> {
 
     #[inline(always)]
     fn call(self) -> Vec<f64> {
-        let (mut x, mut scratch) = (vec![ZEROS; self.points.states], Scratch::default());
-        let mut sums = vec![ZEROS; self.space.len()];
+        let (mut x, mut scratch) = (vec![Eight::ZERO; self.points.states], Scratch::default());
+        let mut sums = vec![Eight::ZERO; self.space.len()];
         for first in (0..self.points.len()).step_by(EIGHT) {
             self.points.place(first, &mut x);
             self.space.place_values(&x, &mut scratch);
@@ -173,7 +173,7 @@ impl NullaryFnOnce for TableSweep<'_> {
 
     #[inline(always)]
     fn call(mut self) {
-        let (mut x, mut scratch) = (vec![ZEROS; self.points.states], Scratch::default());
+        let (mut x, mut scratch) = (vec![Eight::ZERO; self.points.states], Scratch::default());
         for first in (0..self.points.len()).step_by(EIGHT) {
             self.points.place(first, &mut x);
             self.space.place_values(&x, &mut scratch);
@@ -197,7 +197,7 @@ impl NullaryFnOnce for Rates<'_, '_> {
     fn call(mut self) {
         let states = self.points.states;
         let (mut x, mut drift, mut diffusion) =
-            (vec![ZEROS; states], vec![ZEROS; states], vec![ZEROS; states * states]);
+            (vec![Eight::ZERO; states], vec![Eight::ZERO; states], vec![Eight::ZERO; states * states]);
         let (mut coupled, mut scratch) = (Vec::with_capacity(states), Scratch::default());
         for first in (0..self.points.len()).step_by(EIGHT) {
             self.points.place(first, &mut x);
@@ -232,7 +232,7 @@ mod tests {
     use crate::fokker_planck::Local;
     use crate::functions::{Corner, Polynomials};
     use crate::numerics::differences;
-    use crate::problem::Wall;
+    use crate::walls::Wall;
 
     /// Polynomials, and functions next to two walls, with the singular part.
     fn exponents() -> [Exponent; 2] {

@@ -102,7 +102,7 @@ mod tests {
     use super::*;
     use crate::functions::Scratch;
     use crate::numerics::differences;
-    use crate::problem::Wall;
+    use crate::walls::Wall;
 
     const STEP: f64 = 3e-4;
     const LEVELS: [WallLevel; 3] = [

@@ -4,9 +4,10 @@ use super::read::{Placed, TextContent, TextDocument};
 use crate::error::Result;
 use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
+use crate::problem::Problem;
 use crate::problem::definition::PolynomialForm;
 use crate::problem::family::{Family, Lifted};
-use crate::problem::{Problem, Wall};
+use crate::walls::Wall;
 use num_dual::Dual64;
 
 /// The problems of a text for all values of its parameters.

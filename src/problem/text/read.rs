@@ -3,10 +3,10 @@
 use crate::error::{Error, Result};
 use crate::numerics::sort_by_number;
 use crate::polynomial::{Polynomial, is_real};
-use crate::problem::Wall;
 use crate::problem::definition::PolynomialForm;
 use crate::problem::expression::{Fault, Names, is_name, number, polynomial, reserved};
 use crate::system::Interpretation;
+use crate::walls::Wall;
 use num_dual::Dual64;
 use std::borrow::Cow;
 use toml::Spanned;

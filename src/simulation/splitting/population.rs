@@ -1,11 +1,11 @@
 use super::{importance::Importance, resampling::systematic};
 use crate::simulation::{
     boundaries::Boundaries,
-    lanes::{Lanes, Workspace},
+    group::{Group, Workspace},
     random::Random,
     scheme::Scheme,
 };
-use crate::{error::Result, problem::LANES, states::States};
+use crate::{error::Result, field::LANES, states::States};
 
 /// Population i owns 2²² streams, one for each place of a particle, from `FIRST` + 2²² i on. The streams below belong to the
 /// simulation that makes the starting states.
@@ -39,7 +39,7 @@ impl Particles {
     }
 
     /// Appends the particles of a bin.
-    fn push(&mut self, group: &Lanes, weight: f64) {
+    fn push(&mut self, group: &Group, weight: f64) {
         self.states.extend(&group.states());
         self.weights.resize(self.states.len(), weight);
     }
@@ -63,7 +63,7 @@ pub(super) struct Population {
 
 /// Particles of equal weight.
 struct Bin {
-    groups: Vec<Lanes>,
+    groups: Vec<Group>,
     /// The weight of each particle; zero for an empty bin.
     weight: f64,
 }
@@ -105,7 +105,7 @@ impl Population {
         while self.bins.len() <= self.thresholds.len() {
             let first = self.first + (self.bins.len() * self.particles) as u64;
             let end = first + self.particles as u64;
-            let group = |place| Lanes::new(self.seed, place..end, dimension, |_| ());
+            let group = |place| Group::new(self.seed, place..end, dimension, |_| ());
             let groups = (first..end).step_by(LANES).map(group).collect();
             self.bins.push(Bin { groups, weight: 0.0 });
         }

@@ -8,12 +8,13 @@ use super::{
 };
 use crate::checks::{finite, positive, require, state_index};
 use crate::error::Result;
-use crate::problem::{Problem, TimeScales, limits, two_digits};
+use crate::problem::{Problem, TimeScales, two_digits};
 use crate::provenance::Provenance;
 use crate::simulation::MOST_LEVELS;
 use crate::simulation::{
     Simulation, boundaries::Boundaries, control::Control, run::at_most, scheme::Scheme, timetable::whole,
 };
+use crate::walls::limits;
 use std::time::Instant;
 
 /// The starting states of the pilot and of each replica: as many as leave a few beyond the fourth threshold.
@@ -62,11 +63,9 @@ impl Splitting<'_> {
         let largest = |i: usize| states.iter().map(|x| x[i].abs()).fold(0.0, f64::max);
         let bounds = (0..n).map(|i| 1e6 * largest(i)).collect();
         let motion = ParticleMotion { scheme: &scheme, importance: &importance, bounds, steps: plan.steps };
-        let displaced = problem.velocity_of(0).is_some();
-        let crossings = plan.levels.iter().filter(|(state, _)| displaced && *state == 0);
-        let crossings = crossings.flat_map(|(_, levels)| levels.clone()).collect();
         let contacts = problem.contacts();
-        let [boundaries, quiet] = [crossings, Vec::new()].map(|y| Boundaries::for_scheme(&scheme, &contacts, y));
+        let [boundaries, quiet] =
+            [plan.crossed(problem), Vec::new()].map(|y| Boundaries::for_scheme(&scheme, &contacts, y));
 
         let pilot = SplittingPilot {
             motion: &motion,
@@ -101,22 +100,29 @@ impl Splitting<'_> {
         let (replicas, steps): (Vec<ReplicaTally>, Vec<u64>) =
             control.on_all(&mut starts, replica)?.into_iter().unzip();
 
-        let cycle = plan.steps as f64 * spans.step;
         let provenance = Provenance {
+            thresholds: Some(thresholds),
+            path_steps: Some(steps.iter().sum()),
+            seconds: begin.elapsed().as_secs_f64(),
+            ..self.provenance(&plan, spans.step)
+        };
+        Ok(Tails::new(replicas, watched, boundaries.levels, provenance))
+    }
+
+    /// What of the provenance is known before the run.
+    fn provenance(&self, plan: &SplittingPlan, step: f64) -> Provenance {
+        let cycle = plan.steps as f64 * step;
+        Provenance {
             method: String::from("splitting"),
             seed: Some(self.seed),
             replicas: Some(self.replicas),
             particles: Some(self.particles),
-            thresholds: Some(thresholds),
-            path_steps: Some(steps.iter().sum()),
-            time_step: Some(spans.step),
+            time_step: Some(step),
             resampling_interval: Some(cycle),
             relaxation: Some(plan.relaxing as f64 * cycle),
             duration: Some(plan.measuring as f64 * cycle),
-            seconds: begin.elapsed().as_secs_f64(),
             ..Provenance::default()
-        };
-        Ok(Tails::new(replicas, watched, boundaries.levels, provenance))
+        }
     }
 
     /// A plain simulation of the same problem: it makes the starting states of the pilot and of each replica.
@@ -216,6 +222,15 @@ struct SplittingPlan {
     round: usize,
     relaxing: usize,
     measuring: usize,
+}
+
+impl SplittingPlan {
+    /// The levels whose up-crossings are counted: those of state 0, if it is a displacement.
+    fn crossed(&self, problem: &Problem) -> Vec<f64> {
+        let displaced = problem.velocity_of(0).is_some();
+        let crossed = self.levels.iter().filter(|(state, _)| displaced && *state == 0);
+        crossed.flat_map(|(_, levels)| levels.clone()).collect()
+    }
 }
 
 /// The data of one replica.

@@ -1,12 +1,107 @@
-use crate::checks::{positive, require};
-use crate::error::Result;
+//! The time that a stationary state takes to reach a level.
+
+use super::{Sample, Statistic};
+use crate::checks::{finite, positive, require};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
-use crate::simulation::jackknife::jackknife;
+use crate::simulation::{
+    SimulatedDensity, Simulation,
+    jackknife::jackknife,
+    plan::{Plan, same_level},
+    run::at_most,
+};
 use serde::{Deserialize, Serialize};
+
+/// The most levels whose first passages one simulation measures.
+const MOST_PASSAGES: usize = 16;
+
+impl Simulation<'_> {
+    /// Measures the time to the first passage of state 0 through `level` from below, in windows of the length `window`, each
+    /// begun at a stationary state, and keeps its distribution at `bins` equal times in them.
+    /// [`SimulatedDensity::first_passage`](crate::SimulatedDensity::first_passage) gives it.
+    ///
+    /// The path of a displacement is followed at all times, and its passages are located to a sampling interval; of any other
+    /// state 0 only the samples are used. The window is rounded to whole sampling intervals for each of the `bins`.
+    pub fn first_passage(mut self, level: f64, window: f64, bins: usize) -> Self {
+        self.requests.passages.push(PassageRequest { level, length: window, bins });
+        self
+    }
+}
+
+impl SimulatedDensity {
+    /// The time that a stationary path takes to pass a level from below.
+    ///
+    /// # Errors
+    /// [`Error::NotKnown`] if it was not requested by [`Simulation::first_passage`](crate::Simulation::first_passage),
+    /// [`Error::OutOfRange`] if the run was shorter than a window.
+    pub fn first_passage(&self, level: f64) -> Result<FirstPassage> {
+        let passages = &self.layout.recorders.passages;
+        let place = passages.iter().position(|waiting| same_level(waiting.level, level));
+        let place = place.ok_or_else(|| Error::NotKnown {
+            what: format!("the first passage of the level {level}"),
+            remedy: "request it by `Simulation::first_passage` before the run",
+        })?;
+        let tallies = self.batches.iter().map(|b| b.recordings.passages[place].clone()).collect();
+        FirstPassage::new(passages[place].window, tallies)
+    }
+}
+
+/// A level of state 0, the length of the windows in which its first passage is measured, and the number of times in one.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub(in crate::simulation) struct PassageRequest {
+    level: f64,
+    length: f64,
+    bins: usize,
+}
+
+/// A level whose first passage is measured.
+#[derive(Clone, Debug)]
+pub(in crate::simulation) struct PassageRecorder {
+    level: f64,
+    /// Its place among the levels whose up-crossings are counted; none where state 0 is no displacement.
+    crossing: Option<usize>,
+    window: PassageWindow,
+}
+
+impl Statistic for PassageRecorder {
+    type Request = PassageRequest;
+    type Sums = PassageTally;
+    type Path = PassageClock;
+
+    fn check(requests: &[PassageRequest], _: usize, interval: f64) -> Result<()> {
+        at_most("number of first passages", requests.len(), MOST_PASSAGES, "at most 16 can be measured")?;
+        for (k, &PassageRequest { level, length, bins }) in requests.iter().enumerate() {
+            finite("level", level)?;
+            PassageWindow::new(length, interval, bins, false)?;
+            let remedy = "its first passage is requested twice; one window can be given for each level";
+            require(requests[..k].iter().all(|other| !same_level(other.level, level)), "level", level, remedy)?;
+        }
+        Ok(())
+    }
+
+    fn level(request: &PassageRequest) -> Option<f64> {
+        Some(request.level)
+    }
+
+    fn of(&PassageRequest { level, length, bins }: &PassageRequest, plan: &Plan) -> Result<Self> {
+        let crossing = plan.velocity().and_then(|_| plan.levels.iter().position(|&y| same_level(y, level)));
+        let window = PassageWindow::new(length, plan.interval(), bins, crossing.is_some())?;
+        Ok(PassageRecorder { level, crossing, window })
+    }
+
+    fn sums(&self) -> PassageTally {
+        self.window.tally()
+    }
+
+    fn observe(&self, sums: &mut PassageTally, clock: &mut PassageClock, sample: &Sample<'_>) {
+        let since = self.crossing.is_some_and(|k| sample.crossed[k] >> sample.lane & 1 == 1);
+        sums.push(&self.window, clock, [sample.x[0] >= self.level, since]);
+    }
+}
 
 /// The windows of equal length that a stationary path is cut into, each of which has a first passage or none.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::simulation) struct PassageWindow {
+struct PassageWindow {
     /// Observations in a window.
     count: usize,
     interval: f64,
@@ -42,7 +137,7 @@ impl PassageWindow {
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless length and interval are finite and positive, and there
     /// are from 1 to 4096 bins, none shorter than an interval.
-    pub(super) fn new(length: f64, interval: f64, bins: usize, continuous: bool) -> Result<Self> {
+    fn new(length: f64, interval: f64, bins: usize, continuous: bool) -> Result<Self> {
         let remedy = "it must be finite and above zero";
         let count = positive("length of a window", length, remedy)? / positive("interval", interval, remedy)?;
         let holds = (1..=4096).contains(&bins) && count.round() >= bins as f64 && count <= 2.0_f64.powi(53);
@@ -59,7 +154,7 @@ impl PassageWindow {
     }
 
     /// An empty tally.
-    pub(super) fn tally(&self) -> PassageTally {
+    fn tally(&self) -> PassageTally {
         PassageTally { windows: 0.0, waited: 0.0, passages: vec![0.0; self.bins + 1] }
     }
 }
@@ -67,7 +162,7 @@ impl PassageWindow {
 impl PassageTally {
     /// Takes one observation of a trajectory: whether it is beyond the level, and whether it has passed it since the last
     /// one. The first observation of a window is its beginning; each trajectory has its own clock.
-    pub(super) fn push(&mut self, window: &PassageWindow, clock: &mut PassageClock, [beyond, since]: [bool; 2]) {
+    fn push(&mut self, window: &PassageWindow, clock: &mut PassageClock, [beyond, since]: [bool; 2]) {
         if beyond || since && clock.observed > 0 {
             clock.passed = clock.passed.or(Some(clock.observed));
         }
@@ -107,7 +202,7 @@ impl FirstPassage {
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) if fewer than two batches have a window that has ended.
-    pub(super) fn new(window: PassageWindow, mut batches: Vec<PassageTally>) -> Result<Self> {
+    fn new(window: PassageWindow, mut batches: Vec<PassageTally>) -> Result<Self> {
         batches.retain(|batch| batch.windows > 0.0);
         let remedy = "too few trajectories ran for so long; take more samples or a shorter window";
         require(batches.len() >= 2, "window of a first passage", window.length(), remedy)?;

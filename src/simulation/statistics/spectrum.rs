@@ -1,7 +1,11 @@
-use crate::checks::{positive, require};
-use crate::error::Result;
+//! Spectral density and autocovariance, from segments of the path.
+
+use super::{Sample, Statistic};
+use crate::checks::{positive, require, state_index};
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::simulation::jackknife::jackknife;
+use crate::simulation::{SimulatedDensity, Simulation, plan::Plan};
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -11,10 +15,53 @@ use std::sync::Arc;
 /// The most samples in a segment of a spectrum.
 const LONGEST_SEGMENT: usize = 1 << 20;
 
+impl Simulation<'_> {
+    /// Keeps the spectral density and the autocovariance of one state, from segments of `length` samples each (8 to 2²⁰).
+    /// [`SimulatedDensity::spectrum`](crate::SimulatedDensity::spectrum) gives them.
+    ///
+    /// The path is sampled once in each sampling interval Δ: frequencies beyond π/Δ are folded back, and a segment lasts
+    /// `length` × Δ, which should be many relaxation times. The present segment of every trajectory is kept in memory.
+    ///
+    /// ```
+    /// use expoly::{Simulation, models::{Linear, Solved}};
+    /// let problem = Linear::new(0.5, 2.0, 0.3)?.problem()?;
+    /// let simulation = Simulation::new().sampling_interval(0.1).spectrum(0, 256);
+    /// let result = simulation.trajectories(64).samples(64 * 2048).run(&problem)?;
+    /// let spectrum = result.spectrum(0)?;
+    /// // x″ + c x′ + k x = ξ has R(τ) = D/ck exp(−cτ/2) (cos ω_d τ + c/2ω_d sin ω_d τ), ω_d² = k − c²/4: here at 0 and at 1.
+    /// assert!(spectrum.autocovariance(0)?.deviation(0.3) < 4.0);
+    /// assert!(spectrum.autocovariance(10)?.deviation(0.08286) < 4.0);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn spectrum(mut self, state: usize, length: usize) -> Self {
+        self.requests.spectra.push((state, length));
+        self
+    }
+}
+
+impl SimulatedDensity {
+    /// The spectral density and the autocovariance of one state.
+    ///
+    /// # Errors
+    /// [`Error::NotKnown`] if it was not requested by [`Simulation::spectrum`](crate::Simulation::spectrum),
+    /// [`Error::OutOfRange`] if the run was shorter than a segment, [`Error::Dimension`] if there is no such state.
+    pub fn spectrum(&self, state: usize) -> Result<Spectrum> {
+        let state = state_index("a state's index", state, self.layout.axes.len())?;
+        let spectra = &self.layout.recorders.spectra;
+        let place = spectra.iter().position(|segments| segments.state == state).ok_or_else(|| Error::NotKnown {
+            what: format!("the spectrum of state {state}"),
+            remedy: "request it by `Simulation::spectrum` before the run",
+        })?;
+        let tallies = self.batches.iter().map(|b| b.recordings.spectra[place].clone()).collect();
+        Spectrum::new(spectra[place].clone(), tallies)
+    }
+}
+
 /// The segments that the path of one state is cut into for its spectral density and autocovariance (P. D. Welch, 1967,
 /// doi:10.1109/TAU.1967.1161901).
 #[derive(Clone)]
 pub(in crate::simulation) struct Segments {
+    state: usize,
     length: usize,
     interval: f64,
     window: Vec<f64>,
@@ -40,19 +87,13 @@ pub(in crate::simulation) struct SpectralTally {
 }
 
 impl Segments {
-    /// Refuses intervals that are not finite and positive, and lengths that do not lie between 8 and 2²⁰.
-    pub(super) fn check(length: usize, interval: f64) -> Result<()> {
-        positive("sampling interval", interval, "it must be finite and above zero")?;
-        let remedy = "a segment holds from 8 to 2^20 samples";
-        require((8..=LONGEST_SEGMENT).contains(&length), "length of a segment", length as f64, remedy).map(|_| ())
-    }
-
-    /// Segments of `length` samples that are `interval` apart.
-    pub(super) fn new(length: usize, interval: f64) -> Self {
+    /// Segments of `length` samples of a state that are `interval` apart.
+    fn new(state: usize, length: usize, interval: f64) -> Self {
         let hann = |t: usize| 0.5 - 0.5 * (TAU * t as f64 / length as f64).cos();
         let window: Vec<f64> = (0..length).map(hann).collect();
         let mut planner = RealFftPlanner::new();
         let mut segments = Segments {
+            state,
             length,
             interval,
             of_mean: Vec::new(),
@@ -64,16 +105,6 @@ impl Segments {
         };
         segments.of_mean = segments.periodogram(&segments.window);
         segments
-    }
-
-    /// An empty tally.
-    pub(super) fn tally(&self) -> SpectralTally {
-        SpectralTally {
-            segments: 0.0,
-            sum: 0.0,
-            power: vec![0.0; self.length / 2 + 1],
-            products: vec![0.0; self.length / 2 + 1],
-        }
     }
 
     /// |Σ_t y_t exp(−iω_j t)|². The transform fails only for buffers of a wrong length, which these are not.
@@ -102,6 +133,44 @@ impl Segments {
     }
 }
 
+impl Statistic for Segments {
+    /// The state, and the number of samples in a segment.
+    type Request = (usize, usize);
+    type Sums = SpectralTally;
+    /// The present segment so far.
+    type Path = Vec<f64>;
+
+    /// Refuses intervals that are not finite and positive, lengths that do not lie between 8 and 2²⁰, and a state twice.
+    fn check(requests: &[(usize, usize)], states: usize, interval: f64) -> Result<()> {
+        for (k, &(state, length)) in requests.iter().enumerate() {
+            state_index("the state of a spectrum", state, states)?;
+            positive("sampling interval", interval, "it must be finite and above zero")?;
+            let remedy = "a segment holds from 8 to 2^20 samples";
+            require((8..=LONGEST_SEGMENT).contains(&length), "length of a segment", length as f64, remedy)?;
+            let remedy = "its spectrum is requested twice; one segment length can be given for each state";
+            require(requests[..k].iter().all(|&(other, _)| other != state), "state", state as f64, remedy)?;
+        }
+        Ok(())
+    }
+
+    fn kept(&(_, length): &(usize, usize)) -> usize {
+        length
+    }
+
+    fn of(&(state, length): &(usize, usize), plan: &Plan) -> Result<Self> {
+        Ok(Segments::new(state, length, plan.interval()))
+    }
+
+    fn sums(&self) -> SpectralTally {
+        let zeros = vec![0.0; self.length / 2 + 1];
+        SpectralTally { segments: 0.0, sum: 0.0, power: zeros.clone(), products: zeros }
+    }
+
+    fn observe(&self, sums: &mut SpectralTally, path: &mut Vec<f64>, sample: &Sample<'_>) {
+        sums.push(self, path, sample.x[self.state]);
+    }
+}
+
 impl fmt::Debug for Segments {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Segments")
@@ -114,7 +183,7 @@ impl fmt::Debug for Segments {
 impl SpectralTally {
     /// Takes one sample of a trajectory. `path` holds what its present segment has so far; it is empty at the start, and
     /// each trajectory has its own. Segments overlap by a half.
-    pub(super) fn push(&mut self, segments: &Segments, path: &mut Vec<f64>, x: f64) {
+    fn push(&mut self, segments: &Segments, path: &mut Vec<f64>, x: f64) {
         path.push(x);
         if path.len() < segments.length {
             return;
@@ -152,7 +221,7 @@ impl Spectrum {
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) if fewer than two batches have a whole segment.
-    pub(super) fn new(segments: Segments, mut batches: Vec<SpectralTally>) -> Result<Self> {
+    fn new(segments: Segments, mut batches: Vec<SpectralTally>) -> Result<Self> {
         batches.retain(|batch| batch.segments > 0.0);
         let remedy = "too few trajectories have so many samples; take more samples or a shorter segment";
         require(batches.len() >= 2, "length of a segment", segments.length as f64, remedy)?;
@@ -210,7 +279,7 @@ mod tests {
     /// The products are those of the definition, to the rounding of a transform of 32 numbers of order one.
     #[test]
     fn products_do_not_wrap_around() {
-        let segments = Segments::new(16, 0.5);
+        let segments = Segments::new(0, 16, 0.5);
         let x: Vec<f64> = (0..16).map(|t| (1.7 * f64::from(t)).sin() + 0.3).collect();
         for (k, product) in segments.products(&x).into_iter().enumerate() {
             let plain: f64 = (0..16 - k).map(|t| x[t] * x[t + k]).sum();
@@ -221,8 +290,8 @@ mod tests {
     /// A constant has neither spectrum nor covariance.
     #[test]
     fn a_mean_is_no_fluctuation() -> Result<()> {
-        let segments = Segments::new(8, 1.0);
-        let mut tally = segments.tally();
+        let segments = Segments::new(0, 8, 1.0);
+        let mut tally = segments.sums();
         let mut path = Vec::new();
         (0..20).for_each(|_| tally.push(&segments, &mut path, 3.0));
         assert_eq!(tally.segments, 4.0);

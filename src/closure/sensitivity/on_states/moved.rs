@@ -1,10 +1,11 @@
 use crate::closure::samples::{OperatorParts, PilotWalk, WalkBuffers};
 use crate::closure::space::sweep::enter;
 use crate::functions::{Functions, ImpulseImages};
-use crate::numerics::{EIGHT, Eight, ZEROS};
+use crate::numerics::{EIGHT, Eight};
 use crate::polynomial::Polynomial;
-use crate::problem::{Contact, StillMotion};
+use crate::problem::StillMotion;
 use crate::simulation::Impact;
+use crate::walls::Contact;
 use faer::{Mat, MatMut};
 
 /// The derivative of an operator by a parameter, f′ and B′, and the images of functions under that of impulses; and of impacts, r′ and the
@@ -42,7 +43,7 @@ impl Moved {
     /// The images under the derivative of the generator in all rows of a trajectory.
     pub(super) fn images(&self, walk: &PilotWalk<'_>, t: usize, place: &mut WalkBuffers) -> Mat<f64> {
         let n = walk.problem.dimension();
-        let [mut drift, mut diffusion] = [n, n * n].map(|size| vec![ZEROS; size]);
+        let [mut drift, mut diffusion] = [n, n * n].map(|size| vec![Eight::ZERO; size]);
         let states = |place: &mut WalkBuffers, table: MatMut<'_, f64>| {
             self.enter_moved(walk, [&mut drift, &mut diffusion], place, table);
         };
@@ -63,8 +64,8 @@ impl Moved {
         mut table: MatMut<'_, f64>,
     ) {
         let n = walk.problem.dimension();
-        let (mut drift, diffusion) = (vec![ZEROS; n], vec![ZEROS; n * n]);
-        let mut stretching = ZEROS;
+        let (mut drift, diffusion) = (vec![Eight::ZERO; n], vec![Eight::ZERO; n * n]);
+        let mut stretching = Eight::ZERO;
         for (l, impact) in impacts.iter().enumerate() {
             let [restitution, slope] = self.walls[impact.wall];
             let before: Vec<f64> = place.ends[0].iter().map(|lane| lane[l]).collect();
@@ -100,7 +101,7 @@ impl Moved {
         table: MatMut<'_, f64>,
     ) {
         let WalkBuffers { x, scratch, rows, arch, .. } = place;
-        drift.iter_mut().chain(diffusion.iter_mut()).for_each(|lane| *lane = ZEROS);
+        drift.iter_mut().chain(diffusion.iter_mut()).for_each(|lane| *lane = Eight::ZERO);
         let mut state = vec![0.0; x.len()];
         for l in 0..EIGHT {
             state.iter_mut().zip(x.iter()).for_each(|(x, lane)| *x = lane[l]);

@@ -1,6 +1,6 @@
 //! The room that walls leave.
 
-use super::{Contact, Problem, Wall};
+use super::{Contact, Wall};
 
 /// Passes over all walls, after which a state is taken as it is.
 const PASSES: usize = 1000;
@@ -10,7 +10,7 @@ const PASSES: usize = 1000;
 /// Every wall bounds the difference of two displacements, a single one that to a displacement that is always 0. There is
 /// room where the bounds add up to more than 0 round every closed way (R. Bellman, 1958, doi:10.1090/qam/102435); the shortest
 /// ways are found by R. W. Floyd's algorithm (1962, doi:10.1145/367766.368168).
-pub(super) fn is_room(walls: &[Wall]) -> bool {
+pub(crate) fn is_room(walls: &[Wall]) -> bool {
     let mut bodies: Vec<Option<usize>> = walls.iter().flat_map(|wall| [Some(wall.state()), wall.other()]).collect();
     bodies.sort_unstable();
     bodies.dedup();
@@ -34,21 +34,13 @@ pub(super) fn is_room(walls: &[Wall]) -> bool {
     (0..n).all(|p| bounds[p * n + p] > 0.0)
 }
 
-impl Problem {
-    /// A state without motion that no wall excludes: that at 0, moved as far as the walls ask.
-    pub(crate) fn still(&self) -> Vec<f64> {
-        let mut x = vec![0.0; self.dimension()];
-        inside(&self.contacts(), &mut x, Contact::close);
-        x
-    }
-}
-
 /// Moves the displacements of a state from behind walls, back by as much as they are beyond.
 pub(crate) fn reflect(contacts: &[Contact], x: &mut [f64]) {
     inside(contacts, x, Contact::mirror);
 }
 
-fn inside(contacts: &[Contact], x: &mut [f64], put: impl Fn(&Contact, &mut [f64])) {
+/// Moves a state by `put` while it is behind walls.
+pub(crate) fn inside(contacts: &[Contact], x: &mut [f64], put: impl Fn(&Contact, &mut [f64])) {
     for _ in 0..PASSES {
         let mut moved = false;
         for contact in contacts {

@@ -5,7 +5,7 @@ pub(super) use steps::{Workspace, read_lane, write_lane};
 
 use super::impulses::SPAN;
 use super::random::{PILOT, Random};
-use crate::problem::{LANES, Lane};
+use crate::field::{LANES, Lane};
 use crate::{Error, Result, states::States};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -16,7 +16,7 @@ use std::ops::Range;
 /// to it, nor on the number of threads. Random numbers are a function of the stream and of the number of steps taken: the
 /// whole state of a group is in these fields.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-pub(super) struct Lanes {
+pub(super) struct Group {
     random: Random,
     first: u64,
     /// The number of lanes that hold a trajectory; the others run along and are not counted.
@@ -28,23 +28,23 @@ pub(super) struct Lanes {
     rested: Vec<Lane>,
 }
 
-impl Lanes {
+impl Group {
     /// The first sixteen of `trajectories`, each begun where `start` puts its standard normal numbers, one for each of
     /// the states.
     pub(super) fn new(seed: u64, trajectories: Range<u64>, states: usize, start: impl Fn(&mut [f64])) -> Self {
         let random = Random::new(seed);
         let first = trajectories.start;
         let active = (trajectories.end - first).min(LANES as u64) as usize;
-        let mut lanes = Lanes { random, first, active, taken: 0, x: vec![[0.0; LANES]; states], rested: Vec::new() };
+        let mut group = Group { random, first, active, taken: 0, x: vec![Lane::ZERO; states], rested: Vec::new() };
         let mut state = vec![0.0; states];
         for l in 0..LANES {
             for (i, z) in state.iter_mut().enumerate() {
                 *z = random.start(first + l as u64, i as u64 / 2)[i % 2];
             }
             start(&mut state);
-            lanes.set_state(l, &state);
+            group.set_state(l, &state);
         }
-        lanes
+        group
     }
 
     /// The time steps taken so far.
@@ -90,14 +90,12 @@ impl Lanes {
         for (place, w) in block.chunks_exact_mut(2 * processes).enumerate() {
             let place = self.taken / 2 + place as u64;
             for k in 0..processes {
-                let mut z = [[0.0; LANES]; 2];
+                let mut z = [Lane::ZERO; 2];
                 for l in 0..LANES {
                     [z[0][l], z[1][l]] = self.random.normals(self.first + l as u64, k as u64, place);
                 }
                 for s in 0..2 {
-                    for l in 0..LANES {
-                        w[s * processes + k][l] = scale * z[s][l];
-                    }
+                    w[s * processes + k] = z[s] * scale;
                 }
             }
         }

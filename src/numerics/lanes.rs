@@ -1,5 +1,6 @@
-//! Functions that are written once, for one point and for eight at a time.
+//! Numbers at one point, and at several at a time: functions and steps are written once for both.
 
+use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Sub};
 
@@ -61,19 +62,25 @@ impl Number for f64 {
     }
 }
 
+/// A number at each of so many points, the lanes of wide registers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "[f64; L]: Serialize", deserialize = "[f64; L]: Deserialize<'de>"))]
+pub(crate) struct Lanes<const L: usize>(pub(crate) [f64; L]);
+
 /// A number at each of eight points.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Eight(pub(crate) [f64; EIGHT]);
+pub(crate) type Eight = Lanes<EIGHT>;
 
-/// 0 at each of eight points.
-pub(crate) const ZEROS: Eight = Eight([0.0; EIGHT]);
+impl<const L: usize> Lanes<L> {
+    /// 0 at all points.
+    pub(crate) const ZERO: Self = Lanes([0.0; L]);
+}
 
-impl Number for Eight {
-    const POINTS: usize = EIGHT;
+impl<const L: usize> Number for Lanes<L> {
+    const POINTS: usize = L;
 
     #[inline(always)]
     fn from_points(of: impl FnMut(usize) -> f64) -> Self {
-        Eight(std::array::from_fn(of))
+        Lanes(std::array::from_fn(of))
     }
 
     #[inline(always)]
@@ -82,7 +89,7 @@ impl Number for Eight {
     }
 }
 
-impl Index<usize> for Eight {
+impl<const L: usize> Index<usize> for Lanes<L> {
     type Output = f64;
 
     #[inline(always)]
@@ -91,7 +98,7 @@ impl Index<usize> for Eight {
     }
 }
 
-impl IndexMut<usize> for Eight {
+impl<const L: usize> IndexMut<usize> for Lanes<L> {
     #[inline(always)]
     fn index_mut(&mut self, point: usize) -> &mut f64 {
         &mut self.0[point]
@@ -100,25 +107,25 @@ impl IndexMut<usize> for Eight {
 
 macro_rules! point_by_point {
     ($($operation:ident $method:ident $sign:tt),*) => {$(
-        impl $operation for Eight {
+        impl<const L: usize> $operation for Lanes<L> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Eight(std::array::from_fn(|l| self.0[l] $sign other.0[l]))
+                Lanes(std::array::from_fn(|l| self.0[l] $sign other.0[l]))
             }
         }
-        impl $operation<f64> for Eight {
+        impl<const L: usize> $operation<f64> for Lanes<L> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: f64) -> Self {
-                Eight(std::array::from_fn(|l| self.0[l] $sign other))
+                Lanes(std::array::from_fn(|l| self.0[l] $sign other))
             }
         }
     )*};
 }
 point_by_point!(Add add +, Sub sub -, Mul mul *, Div div /);
 
-impl AddAssign for Eight {
+impl<const L: usize> AddAssign for Lanes<L> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;

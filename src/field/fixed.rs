@@ -1,6 +1,6 @@
 //! Systems of a number of states that is known to the compiler: arrays, several lanes at once.
 
-use super::super::flow::{KickLanes, Kicks, kick, midpoint, runge_kutta};
+use super::flow::{KickLanes, Kicks, kick, midpoint, runge_kutta};
 use super::{Field, LANES, Lane};
 use crate::fokker_planck::Local;
 use crate::system::PolynomialDrift;
@@ -9,10 +9,10 @@ use num_traits::Zero;
 use pulp::{Arch, NullaryFnOnce};
 
 /// A [`PolynomialDrift`].
-pub(in crate::problem) struct Fixed<T, const N: usize, const M: usize> {
-    pub(in crate::problem) system: T,
+pub(crate) struct Fixed<T, const N: usize, const M: usize> {
+    pub(crate) system: T,
     /// Whether the noise induces a drift, as Stratonovich's does where it depends on the state.
-    pub(in crate::problem) induces: bool,
+    pub(crate) induces: bool,
 }
 
 impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Fixed<T, N, M> {
@@ -59,9 +59,9 @@ impl<F: Fn([f64; N]) -> [f64; N], const N: usize> NullaryFnOnce for OnLanes<'_, 
     #[inline(always)]
     fn call(self) {
         // Local arrays alias nothing, so that the compiler may work on several lanes at once.
-        let mut x = [[0.0; LANES]; N];
+        let mut x = [Lane::ZERO; N];
         x.copy_from_slice(&self.x[..N]);
-        let mut values = [[0.0; LANES]; N];
+        let mut values = [Lane::ZERO; N];
         for l in 0..LANES {
             let value = (self.function)(std::array::from_fn(|i| x[i][l]));
             for i in 0..N {
@@ -102,9 +102,9 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> NullaryFnOnce for
 
     #[inline(always)]
     fn call(self) {
-        let mut x = [[0.0; LANES]; N];
+        let mut x = [Lane::ZERO; N];
         x.copy_from_slice(&self.x[..N]);
-        let (s, mut to) = (*self.s, [[0.0; LANES]; N]);
+        let (s, mut to) = (*self.s, [Lane::ZERO; N]);
         for l in 0..LANES {
             let state: [f64; N] = std::array::from_fn(|i| x[i][l]);
             let end = runge_kutta(state, s[l], |x| self.column(x));
@@ -131,7 +131,7 @@ impl<D: Fn([f64; N]) -> [f64; N], const N: usize, const M: usize> NullaryFnOnce 
     fn call(self) -> (usize, bool) {
         let Kicks { step, moved, noise, .. } = *self.kicks;
         let noise: [[f64; M]; N] = std::array::from_fn(|i| array(&noise[i * M..]));
-        let mut states = [[0.0; LANES]; N];
+        let mut states = [Lane::ZERO; N];
         states.copy_from_slice(&self.x[..N]);
         let kick = OneByOne { half: step / 2.0, moved: array(moved), noise, drift: self.drift };
         let kicks = self.kicks.run(&mut states, self.w, M, kick);

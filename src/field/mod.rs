@@ -1,20 +1,25 @@
 //! The user's own definition behind a trait object: nothing outside this folder is compiled for a user's type.
+//!
+//! - `fixed`: systems of arrays; `polynomials`: systems that are given as polynomials;
+//! - `flow`: the short flows and kicks that steps in time are made of.
 
 mod fixed;
+mod flow;
 mod polynomials;
 
-use super::flow::Kicks;
 use crate::fokker_planck::Local;
+use crate::numerics::Lanes;
 use pulp::Arch;
 
-pub(super) use fixed::Fixed;
-pub(super) use polynomials::PolynomialField;
+pub(crate) use fixed::Fixed;
+pub(crate) use flow::{Addition, Kicks, Nearness, near};
+pub(crate) use polynomials::PolynomialField;
 
 /// States that are advanced in lockstep.
 pub(crate) const LANES: usize = 16;
 
 /// One state of each of them.
-pub(crate) type Lane = [f64; LANES];
+pub(crate) type Lane = Lanes<LANES>;
 
 /// A system as the methods evaluate it. First derivatives come from [`Dual64`](num_dual::Dual64), second ones from
 /// [`HyperDual64`](num_dual::HyperDual64), and the derivatives of the noise-induced drift from dual numbers over those, so

@@ -1,13 +1,14 @@
 //! Systems that are given as polynomials: sums of products, at all lanes at once and without a vector of their own.
 
-use super::super::flow::{KickLanes, Kicks};
+use super::flow::{KickLanes, Kicks};
 use super::{Field, LANES, Lane};
 use crate::fokker_planck::{Local, noise_induced_drift};
+use crate::numerics::Lanes;
 use crate::polynomial::Polynomial;
 use pulp::{Arch, NullaryFnOnce};
 
 /// The polynomials of a system, and the derivatives that are asked of it.
-pub(in crate::problem) struct PolynomialField {
+pub(crate) struct PolynomialField {
     /// The drift as written, ½ Σ_k (G_k·∇)G_k, and the Itô drift f.
     drift: Vec<Sum>,
     along: Vec<Sum>,
@@ -24,7 +25,7 @@ pub(in crate::problem) struct PolynomialField {
 
 impl PolynomialField {
     /// `induces` adds the drift that the noise induces.
-    pub(in crate::problem) fn new(drift: &[Polynomial], columns: &[Vec<Polynomial>], induces: bool) -> Self {
+    pub(crate) fn new(drift: &[Polynomial], columns: &[Vec<Polynomial>], induces: bool) -> Self {
         let n = drift.len();
         let along = noise_induced_drift(columns, n);
         let with = |(f, induced): (&Polynomial, &Polynomial)| if induces { f + induced } else { f.clone() };
@@ -52,27 +53,22 @@ impl PolynomialField {
 
     /// Adds the drift at the states `at`, over the time `tau`, to `x`.
     #[inline(always)]
-    fn drive<const L: usize>(&self, at: &[[f64; L]], tau: f64, moved: &[f64], induced: f64, x: &mut [[f64; L]]) {
+    fn drive<const L: usize>(&self, at: &[Lanes<L>], tau: f64, moved: &[f64], induced: f64, x: &mut [Lanes<L>]) {
         for (i, x) in x.iter_mut().enumerate() {
             let tau = tau * moved[i];
             if tau != 0.0 {
                 let mut slope = self.drift[i].on(at);
                 if induced != 0.0 {
-                    let more = self.along[i].on(at);
-                    for l in 0..L {
-                        slope[l] += induced * more[l];
-                    }
+                    slope += self.along[i].on(at) * induced;
                 }
-                for l in 0..L {
-                    x[l] += tau * slope[l];
-                }
+                *x += slope * tau;
             }
         }
     }
 
     /// The flow of the drift, by the explicit midpoint rule.
     #[inline(always)]
-    fn flow<const L: usize>(&self, x: &mut [[f64; L]], tau: f64, moved: &[f64], induced: f64, middle: &mut [[f64; L]]) {
+    fn flow<const L: usize>(&self, x: &mut [Lanes<L>], tau: f64, moved: &[f64], induced: f64, middle: &mut [Lanes<L>]) {
         middle.copy_from_slice(x);
         self.drive(x, tau / 2.0, moved, induced, middle);
         self.drive(middle, tau, moved, induced, x);
@@ -83,19 +79,17 @@ impl PolynomialField {
 struct PolynomialKick<'a, const L: usize> {
     field: &'a PolynomialField,
     kicks: &'a Kicks<'a>,
-    middle: &'a mut [[f64; L]],
+    middle: &'a mut [Lanes<L>],
 }
 
 impl<const L: usize> PolynomialKick<'_, L> {
     #[inline(always)]
-    fn on(&mut self, x: &mut [[f64; L]], w: &[[f64; L]]) {
+    fn on(&mut self, x: &mut [Lanes<L>], w: &[Lanes<L>]) {
         let PolynomialKick { field, kicks, middle } = self;
         field.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
         for (x, noise) in x.iter_mut().zip(kicks.noise.chunks_exact(w.len().max(1))) {
             for (w, g) in w.iter().zip(noise) {
-                for l in 0..L {
-                    x[l] += w[l] * g;
-                }
+                *x += *w * *g;
             }
         }
         field.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
@@ -146,10 +140,8 @@ impl NullaryFnOnce for NoiseFlowOnLanes<'_> {
         for (share, next) in [(1.0 / 6.0, 0.5), (1.0 / 3.0, 0.5), (1.0 / 3.0, 1.0), (1.0 / 6.0, 0.0)] {
             on_all(column, at, slope);
             for (i, slope) in slope.iter().enumerate() {
-                for l in 0..LANES {
-                    to[i][l] += share * s[l] * slope[l];
-                    at[i][l] = x[i][l] + next * s[l] * slope[l];
-                }
+                to[i] += *s * share * *slope;
+                at[i] = x[i] + *s * next * *slope;
             }
         }
     }
@@ -197,25 +189,25 @@ impl Field for PolynomialField {
     }
 
     fn noise_flow(&self, arch: Arch, k: usize, x: &[Lane], s: &Lane, to: &mut [Lane]) {
-        let mut room = vec![[0.0; LANES]; 2 * x.len()];
+        let mut room = vec![Lane::ZERO; 2 * x.len()];
         arch.dispatch(NoiseFlowOnLanes { column: &self.columns[k], x, s, room: room.split_at_mut(x.len()).into(), to });
     }
 
     fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
         to.copy_from_slice(x);
-        let middle = &mut vec![[0.0; LANES]; x.len()];
+        let middle = &mut vec![Lane::ZERO; x.len()];
         arch.dispatch(DriftFlowOnLanes { field: self, x: to, tau, moved, induced, middle });
     }
 
     fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool) {
-        let middle = &mut vec![[0.0; LANES]; x.len()];
+        let middle = &mut vec![Lane::ZERO; x.len()];
         arch.dispatch(KicksOnLanes { x, w, kick: PolynomialKick { field: self, kicks, middle } })
     }
 
     fn kick(&self, x: &mut [f64], w: &[f64], kicks: &Kicks<'_>) {
-        let [mut one, w] = [&*x, w].map(|values| values.iter().map(|&value| [value]).collect::<Vec<_>>());
-        PolynomialKick { field: self, kicks, middle: &mut vec![[0.0]; x.len()] }.on(&mut one, &w);
-        x.iter_mut().zip(one).for_each(|(x, [one])| *x = one);
+        let [mut one, w] = [&*x, w].map(|values| values.iter().map(|&value| Lanes([value])).collect::<Vec<_>>());
+        PolynomialKick { field: self, kicks, middle: &mut vec![Lanes::ZERO; x.len()] }.on(&mut one, &w);
+        x.iter_mut().zip(one).for_each(|(x, one)| *x = one[0]);
     }
 
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]) {
@@ -275,19 +267,14 @@ impl Sum {
 
     /// The value at all lanes.
     #[inline(always)]
-    fn on<const L: usize>(&self, x: &[[f64; L]]) -> [f64; L] {
-        let (mut sum, mut first) = ([0.0; L], 0);
+    fn on<const L: usize>(&self, x: &[Lanes<L>]) -> Lanes<L> {
+        let (mut sum, mut first) = (Lanes::ZERO, 0);
         for &(c, end) in &self.terms {
-            let mut product = [c; L];
+            let mut product = Lanes([c; L]);
             for &state in &self.factors[first..end] {
-                let x = &x[state];
-                for l in 0..L {
-                    product[l] *= x[l];
-                }
+                product = product * x[state];
             }
-            for l in 0..L {
-                sum[l] += product[l];
-            }
+            sum += product;
             first = end;
         }
         sum

@@ -1,6 +1,7 @@
 //! Flows of fields over short times, and steps that are made of them.
 
-use super::{Contact, LANES, Lane};
+use super::{LANES, Lane};
+use crate::walls::Contact;
 
 /// Time steps under noise that is the same everywhere: kicks F(h/2) W(h) F(h/2), between them every displacement straight on.
 pub(crate) struct Kicks<'a> {
@@ -85,9 +86,7 @@ impl Kicks<'_> {
                 return (before + 1, true);
             }
             for &(i, v) in self.pairs {
-                for l in 0..LANES {
-                    x[i][l] += self.step * x[v][l];
-                }
+                x[i] += x[v] * self.step;
             }
             while let [Addition { kick, state, lane, by }, later @ ..] = additions
                 && *kick == before

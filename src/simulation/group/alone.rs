@@ -63,13 +63,13 @@ impl Advance<'_, '_> {
             left -= step;
             // The part of the whole step that is over before this shorter one, and after it.
             let begin = std::mem::replace(&mut over, if left > 0.0 { 1.0 - left / self.scheme.step } else { 1.0 });
-            let (middle, number) = (f64::midpoint(begin, over), self.lanes.taken);
+            let (middle, number) = (f64::midpoint(begin, over), self.group.taken);
             self.drift_struck(l, number, begin..middle, step / 2.0);
-            let Advance { lanes, scheme, boundaries, passages, work, .. } = &mut *self;
+            let Advance { group, scheme, boundaries, passages, work, .. } = &mut *self;
             let Workspace { state, shorter, scratch, .. } = &mut **work;
             let mut draw = || {
                 draws += 1;
-                lanes.random.grazing(lanes.first + l as u64, lanes.taken, draws - 1)
+                group.random.grazing(group.first + l as u64, group.taken, draws - 1)
             };
             let resting = boundaries.resting(state);
             let deviation = step.sqrt() * scheme.gain(number);
@@ -78,7 +78,7 @@ impl Advance<'_, '_> {
             }
             let reversed = scheme.curved() && draw()[0] & 1 == 1;
             scheme.kick_alone(state, (step, number), shorter, reversed, scratch);
-            boundaries.hold(state, resting, step, (&mut lanes.rested, l), passages);
+            boundaries.hold(state, resting, step, (&mut group.rested, l), passages);
             self.drift_struck(l, number, middle..over, step / 2.0);
         }
     }
