@@ -73,7 +73,7 @@ fn run() -> Result<()> {
     }
 
     let [filtered, absorber] =
-        [include_str!("../examples/solve/filtered.toml"), include_str!("../examples/solve/absorber.toml")]
+        [include_str!("../examples/systems/filtered.toml"), include_str!("../examples/systems/absorber.toml")]
             .map(Problem::from_toml);
     let (filtered, absorber) = (filtered?, absorber?);
     Group::new("closure, more states", 5)

@@ -48,6 +48,13 @@ impl Estimate {
     }
 }
 
+/// The value and the error.
+impl From<Estimate> for [f64; 2] {
+    fn from(estimate: Estimate) -> Self {
+        [estimate.value, estimate.error]
+    }
+}
+
 impl fmt::Display for Estimate {
     /// The value to the digits that its error leaves, and two digits of the error: `0.6638 ± 0.0012`,
     /// `0.6317154862 ± 8.1e-9`. A precision, as in `{:.3}`, fixes the value's decimals.

@@ -200,7 +200,7 @@ fn errors_name_the_line_and_the_entry() {
 
 #[test]
 fn the_files_of_the_example_are_problems() -> Result<()> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/solve");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/systems");
     let mut count = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -211,7 +211,7 @@ fn the_files_of_the_example_are_problems() -> Result<()> {
         }
     }
     assert!(count >= 2, "{count}");
-    let file = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/solve/duffing.toml"));
+    let file = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/systems/duffing.toml"));
     assert_same("Duffing", &Problem::from_toml(&file.unwrap())?, &duffing_above(-0.5, 0.9));
     Ok(())
 }

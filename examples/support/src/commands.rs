@@ -14,6 +14,9 @@ pub const DOCUMENTS: [&str; 8] = [
     "src/guide/trust.md",
 ];
 
+/// The commands of the program `expoly`.
+const COMMANDS: [&str; 4] = ["solve", "transient", "survive", "orders"];
+
 /// A command of a document.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Command {
@@ -34,6 +37,8 @@ pub enum Program {
     Example(String),
     /// A question to `expoly-measure`.
     Measure(String),
+    /// The program `expoly`, whose command is the first argument.
+    Expoly,
 }
 
 /// Where documents and examples are.
@@ -133,6 +138,8 @@ fn typed(code: &str) -> Option<Command> {
     let example = |name: &str| Program::Example(name.to_owned());
     let measure = |name: &str| Program::Measure(name.to_owned());
     let (program, arguments): (Program, &[&str]) = match words {
+        ["--features", "command", "--", arguments @ ..] => (Program::Expoly, arguments),
+        ["expoly", name, ..] if COMMANDS.contains(name) => (Program::Expoly, &words[1..]),
         ["--example", name] if is_name(name) => (example(name), &[]),
         ["--example", name, "--", arguments @ ..] if is_name(name) => (example(name), arguments),
         ["expoly-measure", "--", name, arguments @ ..] if is_name(name) => (measure(name), arguments),

@@ -6,7 +6,6 @@ pub mod commands;
 pub mod dealt;
 pub mod exact;
 pub mod figure;
-pub mod file;
 pub mod json;
 pub mod models;
 pub mod orders;
@@ -15,6 +14,7 @@ pub mod walls;
 
 mod shaken;
 
+pub use output::file;
 pub use shaken::Shaken;
 
 /// Success, or the error on standard error and a failure.
