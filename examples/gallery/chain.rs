@@ -26,7 +26,9 @@ pub(crate) fn of_chain(plan: &Plan) -> Outcome<(Section, Vec<String>)> {
     };
     let exact = ExpPolynomial::from_states(&potential, &scale, Support::WholeSpace)?;
     // ν⁺ = p(x) E max(x′, 0).
-    let crossing = |x| Ok(exact.marginal(0, x)?.scaled((TEMPERATURE / std::f64::consts::TAU).sqrt()));
+    let crossing = |x| -> expoly::Result<Estimate> {
+        Ok(exact.marginal(0, x)?.scaled((TEMPERATURE / std::f64::consts::TAU).sqrt()))
+    };
 
     let x = between([-2.8, 2.8], plan.points / 4 + 2);
     let marked = between([-2.8, 2.8], 25);

@@ -6,9 +6,9 @@ use expoly::models::{Duffing, Solved};
 use expoly::{ClosedForm, Closure, Density, Problem, Wall};
 
 const TEXTS: [&str; 3] = [
-    include_str!("../../../solve/duffing.toml"),
-    include_str!("../../../solve/filtered.toml"),
-    include_str!("../../../solve/absorber.toml"),
+    include_str!("../../../systems/duffing.toml"),
+    include_str!("../../../systems/filtered.toml"),
+    include_str!("../../../systems/absorber.toml"),
 ];
 const MUTANTS: usize = 100;
 
