@@ -13,9 +13,10 @@
 use clap::Parser;
 use expoly::models::{Duffing, Solved};
 use expoly::statistics::Marginal;
-use expoly::{Closure, Course, Crossing, Density, Envelope, Grid, Simulation, compare};
+use expoly::{Closure, Course, Crossing, Density, Envelope, Estimate, Grid, Simulation, compare};
 use std::path::PathBuf;
 use support::figure::{Panel, Scale, Style, View, curve, write_figure};
+use support::text::aligned;
 
 /// An oscillator from rest under noise that rises and fades.
 #[derive(Clone, Debug, Parser)]
@@ -23,9 +24,6 @@ struct Options {
     /// Displacement that the structure survives on both sides
     #[arg(long, default_value_t = 1.5)]
     level: f64,
-    /// Rates at which the noise fades and rises
-    #[arg(long, value_delimiter = ',', default_value = "0.09,1.49", num_args = 2)]
-    rates: Vec<f64>,
     /// The last time
     #[arg(long, default_value_t = 32.0)]
     duration: f64,
@@ -43,15 +41,18 @@ struct Options {
     out: PathBuf,
 }
 
+/// The rates at which the noise fades and rises.
+const SLOW: f64 = 0.09;
+const FAST: f64 = 1.49;
 /// The time between two answers, and between two lines of the table.
 const INTERVAL: f64 = 0.5;
 const LINE: usize = 4;
+const NAMES: [&str; 8] = ["t", "e", "E x²", "simulated", "beyond", "survival", "counted", "Poisson"];
 
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let problem = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
-    let [slow, fast] = [0, 1].map(|k| options.rates.get(k).copied().unwrap_or(f64::NAN));
-    let amplitude = Envelope::exponentials(1.0, slow, fast)?.peak().recip();
-    let envelope = Envelope::exponentials(amplitude, slow, fast)?;
+    let amplitude = Envelope::exponentials(1.0, SLOW, FAST)?.peak().recip();
+    let envelope = Envelope::exponentials(amplitude, SLOW, FAST)?;
     // Its domain holds the density under the strongest noise.
     let stationary = Grid::new().accuracy(options.accuracy).solve(&problem)?;
     let (course, level) = (Course::from([0.0, 0.0]).under(envelope.clone()), options.level);
@@ -63,66 +64,46 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let simulated = simulation().transient(&problem, &course, &times)?;
     let closed = Closure::new(options.order).transient(&problem, &course, &times)?;
 
-    let [mut spreads, mut beyond, mut survived, mut poisson] = [(); 4].map(|()| Vec::<[f64; 2]>::new());
-    let (mut squares, mut shares) = (Vec::new(), Vec::new());
+    let mut rows: Vec<[Estimate; 8]> = Vec::new();
     let (mut crossings, mut last) = (0.0, None);
-    println!(
-        "     t      e   E x^2             simulated  closure: L1, estimate    grid ±   P(|x| > {level})   survival               simulated           Poisson"
-    );
-    let all = transients.iter().zip(&survival).zip(&counted).zip(&simulated).zip(&closed);
-    for (k, ((((transient, survival), counted), simulated), closed)) in all.enumerate() {
+    for (((transient, survival), counted), simulated) in transients.iter().zip(&survival).zip(&counted).zip(&simulated)
+    {
         let (t, density) = (transient.time, &transient.density);
         let outward = [Crossing::upward(level), Crossing { upward: false, ..Crossing::upward(-level) }];
-        let rate: f64 = outward
-            .map(|crossing| density.flux(crossing, 1).map(|rate| rate.value))
-            .into_iter()
-            .sum::<Result<_, _>>()?;
+        let rates = outward.map(|crossing| density.flux(crossing, 1).map(|rate| rate.value));
+        let rate: f64 = rates.into_iter().sum::<Result<_, _>>()?;
         // Crossings since the first of the times, by the trapezoidal rule.
         crossings += last.map_or(0.0, |[before, old]: [f64; 2]| (t - before) * (rate + old) / 2.0);
         last = Some([t, rate]);
         let marginal = Marginal::new(density, 0)?;
-        let out = marginal.exceedance(level)?.value + 1.0 - marginal.exceedance(-level)?.value;
-        let square = density.moment(&[2, 0])?.value;
-        let simulated = simulated.moment(&[2, 0])?;
-        spreads.push([t, square]);
-        squares.push([t, simulated.value, simulated.error]);
-        beyond.push([t, out]);
-        survived.push([t, survival.value]);
-        shares.push([t, counted.value, counted.error]);
-        poisson.push([t, (-crossings).exp()]);
-        if k % LINE == 0 {
-            let distance = compare::l1(&closed.density, density)?.value;
-            let [own, grid] = [closed.density.l1_estimate(), density.l1_estimate()];
-            println!(
-                "{t:6.1} {:6.3} {square:7.4} {:>21} {distance:12.1e} {own:9.1e} {grid:9.1e}   {out:10.6}   {:22} {:19} {:.4}",
-                envelope.value(t),
-                simulated.to_string(),
-                survival.to_string(),
-                counted.to_string(),
-                (-crossings).exp()
-            );
-        }
+        let beyond = marginal.exceedance(level)?.value + 1.0 - marginal.exceedance(-level)?.value;
+        let [time, noise, beyond, poisson] = [t, envelope.value(t), beyond, (-crossings).exp()].map(Estimate::exact);
+        let squares = [density.moment(&[2, 0])?, simulated.moment(&[2, 0])?];
+        rows.push([time, noise, squares[0], squares[1], beyond, *survival, *counted, poisson]);
     }
-    let highest = |line: &[[f64; 2]]| line.iter().copied().fold([0.0; 2], |a, b| if b[1] > a[1] { b } else { a });
-    let [[widest, square], [worst, out]] = [&spreads, &beyond].map(|line| highest(line));
-    println!("E x^2 is largest at t = {widest}, {square:.4}; P(|x| > {level}) at t = {worst}, {out:.4}");
+    let errors = ["closure: L1", "its estimate", "grid's"];
+    let mut table = vec![NAMES.iter().chain(&errors).map(|name| (*name).to_owned()).collect::<Vec<_>>()];
+    for ((row, closed), grid) in rows.iter().zip(&closed).zip(&transients).step_by(LINE) {
+        let distance = compare::l1(&closed.density, &grid.density)?.value;
+        let errors = [distance, closed.density.l1_estimate(), grid.density.l1_estimate()];
+        let cells =
+            row.iter().map(|found| if found.error > 1e-12 { found.to_string() } else { format!("{:.4}", found.value) });
+        table.push(cells.chain(errors.map(|l1| format!("{l1:.1e}"))).collect());
+    }
+    print!("{}", aligned(&table, 0));
+    let line = |k: usize| rows.iter().map(|row| [row[0].value, row[k].value]).collect::<Vec<_>>();
+    let highest = |k: usize| line(k).into_iter().fold([0.0; 2], |a, b| if b[1] > a[1] { b } else { a });
+    let [[widest, square], [worst, out]] = [2, 4].map(highest);
+    println!("E x² is largest at t = {widest}, {square:.4}; P(|x| > {level}) at t = {worst}, {out:.4}");
 
-    let noise: Vec<[f64; 2]> = times.iter().map(|t| [*t, envelope.value(*t).powi(2)]).collect();
-    let strengths = vec![
-        curve("e²", Style::Dashed, 0, &noise),
-        curve("E x², grid", Style::Solid, 1, &spreads),
-        curve("simulated", Style::Points, 3, &squares),
-    ];
-    let fates = vec![
-        curve("survival", Style::Solid, 0, &survived),
-        curve("simulated", Style::Points, 3, &shares),
-        curve("by Poisson's assumption", Style::Dashed, 1, &poisson),
-        curve("beyond at this time", Style::Solid, 2, &beyond),
-    ];
+    let draw = |k: usize, style, colour| curve(NAMES[k], style, colour, &line(k));
+    let strengths = vec![draw(1, Style::Dashed, 0), draw(2, Style::Solid, 1), draw(3, Style::Points, 3)];
+    let fates = [(5, Style::Solid, 0), (6, Style::Points, 3), (7, Style::Dashed, 1), (4, Style::Solid, 2)];
+    let fates = fates.map(|(k, style, colour)| draw(k, style, colour)).to_vec();
     let panel = |label, curves| View::Curves(Panel::new(["time [T]", label], Scale::Linear, curves));
-    let views = [panel("intensity of the noise, and E x² [L²]", strengths), panel("probability", fates)];
+    let views = [panel("envelope of the noise, and E x² [L²]", strengths), panel("probability", fates)];
     let caption = format!(
-        "x″ + 0.2 x′ + x + 0.3 x³ = e(t) ξ from rest, D = 0.2, e = a (e^(−{slow}t) − e^(−{fast}t)) of peak 1; |x| < {level} survives. \
+        "x″ + 0.2 x′ + x + 0.3 x³ = e(t) ξ from rest, D = 0.2, e = a (e^(−{SLOW}t) − e^(−{FAST}t)) of peak 1; |x| < {level} survives. \
          Grid of L¹ accuracy {:e}, closure of order {}, {} trajectories, seed 0.",
         options.accuracy, options.order, options.trajectories
     );

@@ -11,7 +11,7 @@ use clap::Parser;
 use expoly::{Closure, Density, Intensity, PolynomialSystem, Problem, Scalar, Simulation};
 use std::process::ExitCode;
 use support::progress::{simulation_bar, spinner};
-use support::shown;
+use support::text::{aligned, headed, origin, shown};
 
 /// The closure of a chain of oscillators beside a simulation.
 #[derive(Clone, Copy, Debug, Parser)]
@@ -93,42 +93,23 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let sign = spinner("closure");
     let density = Closure::new(options.order).seed(options.seed).solve(&problem)?;
     sign.finish_and_clear();
-    let provenance = density.provenance();
-    println!(
-        "closure     n = {}, {} states, {} unknowns, {} pilot states, {:.1} s",
-        options.order,
-        problem.dimension(),
-        shown(provenance.unknowns),
-        shown(provenance.nodes),
-        provenance.seconds
-    );
-    println!("            estimated L1 error {:.1e}, indicator {:.1e}", density.l1_estimate(), density.indicator());
-    if let Some(warning) = density.warning() {
-        println!("            warning: {warning}");
-    }
     let (bar, callback) = simulation_bar("simulation");
     let simulation = Simulation::new().samples(options.samples).seed(options.seed).progress(callback);
     let simulated = simulation.run(&problem)?;
     bar.finish_and_clear();
-    let made = simulated.provenance();
-    println!("simulation  {} samples, {:.1} s", shown(made.samples), made.seconds);
-    if let Some(warning) = &made.warning {
-        println!("            warning: {warning}");
-    }
-    println!();
-    println!("{:8} {:>19} {:>21} {:>10}", "moment", "closure", "simulation", "off");
+    let made = density.provenance();
+    println!("{}; {} unknowns, {:.1} s", origin(made), shown(made.unknowns), made.seconds);
+    println!("{}; {:.1} s\n", origin(simulated.provenance()), simulated.provenance().seconds);
+    let mut rows = headed(["moment", "closure", "simulation", "off by"]);
     for power in [2, 4] {
         for (state, name) in problem.states().iter().enumerate() {
             let mut powers = vec![0; problem.dimension()];
             powers[state] = power;
             let (closed, sampled) = (density.moment(&powers)?, simulated.moment(&powers)?);
-            let off = 100.0 * (closed.value / sampled.value - 1.0);
-            let name = format!("E {name}^{power}");
-            println!(
-                "{name:8} {:>9.5} ± {:.5} {:>11.5} ± {:.5} {off:>8.2} %",
-                closed.value, closed.error, sampled.value, sampled.error
-            );
+            let off = format!("{:.2} %", 100.0 * (closed.value / sampled.value - 1.0));
+            rows.push(vec![format!("E {name}^{power}"), closed.to_string(), sampled.to_string(), off]);
         }
     }
+    print!("{}", aligned(&rows, 1));
     Ok(())
 }

@@ -10,9 +10,12 @@
 
 use clap::Parser;
 use expoly::statistics::Marginal;
-use expoly::{Amplitude, Closure, Density, Intensity, Oscillator, PoissonImpulses, Problem, Scalar, Simulation};
+use expoly::{
+    Amplitude, Closure, Density, Estimate, Intensity, Oscillator, PoissonImpulses, Problem, Scalar, Simulation,
+};
 use std::path::PathBuf;
-use support::figure::{Panel, Scale, Style, View, between, clear, curve, values, write_figure};
+use support::figure::{Drawn, Scale, Style, View, beside, write_figure};
+use support::text::aligned;
 
 /// A Duffing oscillator under impulses of one intensity at several rates.
 #[derive(Clone, Debug, Parser)]
@@ -36,9 +39,6 @@ const INTENSITY: f64 = 0.2;
 const DAMPING: f64 = 0.2;
 /// The displacement that is to be exceeded.
 const LEVEL: f64 = 2.5;
-
-const HEADER: [&str; 6] =
-    ["noise", "E x^2: closure", "simulation", "E v^4: closure", "P(x > 2.5): closure", "L1 estimate"];
 
 /// x″ + 0.2 x′ + x + 0.3 x³ = noise.
 struct Duffing {
@@ -67,46 +67,41 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         let impulses = PoissonImpulses::with_intensity(rate, shape, INTENSITY)?;
         cases.push((format!("λ = {rate}"), Intensity::NONE, vec![impulses]));
     }
-    let [noise, square, simulation, fourth, far, estimate] = HEADER;
-    println!(
-        "{noise:>12} {square:>15} {simulation:>20} {fourth:>15} {simulation:>20} {far:>20} {simulation:>17} {estimate:>12}"
-    );
-    let places = between([-4.5, 4.5], 120);
-    let (mut displacements, mut velocities, mut tails) = (Vec::new(), Vec::new(), Vec::new());
-    for (colour, (name, white, impulses)) in cases.into_iter().enumerate() {
+    let (x, one) = ("displacement x [L]", ["E x²", "E v⁴", "P(x > 2.5)"]);
+    let header = one.iter().flat_map(|name| [format!("{name}: closure"), String::from("simulation")]);
+    let header = [String::from("noise")].into_iter().chain(header).chain([String::from("L1 estimate")]);
+    let mut rows: Vec<Vec<String>> = vec![header.collect()];
+    let mut solved = Vec::new();
+    for (name, white, impulses) in cases {
         let problem = Problem::of(Duffing { white, impulses })?;
         let density = Closure::new(options.order).solve(&problem)?;
         let simulated = Simulation::new().samples(options.samples).seed(1).run(&problem)?;
-        let beyond = |density: &dyn Density| Marginal::new(density, 0)?.exceedance(LEVEL);
-        let far = beyond(&simulated)?;
-        println!(
-            "{name:>12} {:>15.5} {:>20} {:>15.4} {:>20} {:>20.2e} {:>17} {:>12.1e}{}",
-            density.moment(&[2, 0])?.value,
-            format!("{:.5}", simulated.moment(&[2, 0])?),
-            density.moment(&[0, 4])?.value,
-            format!("{:.4}", simulated.moment(&[0, 4])?),
-            beyond(&density)?.value,
-            format!("{:.1e} ± {:.0e}", far.value, far.error),
-            density.l1_estimate(),
-            density.warning().map_or_else(String::new, |warning| format!("  {warning}")),
-        );
-        for (state, panel) in [(0, &mut displacements), (1, &mut velocities)] {
-            let line = values(&places, |x| density.marginal(state, x))?;
-            panel.push(curve(&name, Style::Solid, colour, &line));
-            let sampled = clear(simulated.histogram(state)?, &between([-4.0, 4.0], 24))?;
-            panel.push(curve("", Style::Points, colour, &sampled));
-            if state == 0 {
-                tails.push(curve(&name, Style::Solid, colour, &line));
-                tails.push(curve("", Style::Points, colour, &sampled));
-            }
-        }
+        let answers = |density: &dyn Density| -> expoly::Result<[Estimate; 3]> {
+            let far = Marginal::new(density, 0)?.exceedance(LEVEL)?;
+            Ok([density.moment(&[2, 0])?, density.moment(&[0, 4])?, far])
+        };
+        let pairs = answers(&density)?.into_iter().zip(answers(&simulated)?);
+        let cells = pairs.flat_map(|(closed, sampled)| [closed, sampled].map(|found| found.to_string()));
+        let estimate = format!("{:.1e} {}", density.l1_estimate(), density.warning().unwrap_or_default());
+        rows.push([name.clone()].into_iter().chain(cells).chain([estimate]).collect());
+        solved.push((name, density, simulated));
     }
-    let panel = |abscissa, scale, curves| View::Curves(Panel::new([abscissa, "density"], scale, curves));
-    let views = [
-        panel("displacement x [L]", Scale::Linear, displacements),
-        panel("displacement x [L]", Scale::Logarithmic, tails),
-        panel("velocity v [L/T]", Scale::Linear, velocities),
-    ];
+    print!("{}", aligned(&rows, 1));
+    let drawn: Vec<Drawn<'_>> = solved
+        .iter()
+        .enumerate()
+        .flat_map(|(colour, (name, closed, sampled))| {
+            let closed: Drawn<'_> = (name.clone(), Style::Solid, colour, closed);
+            [closed, (String::new(), Style::Points, colour, sampled)]
+        })
+        .collect();
+    let panel = |state: usize, label, scale| -> expoly::Result<View> {
+        let range = ([-4.5, 4.5], 120);
+        let marginal = |density: &dyn Density, x| density.marginal(state, x);
+        Ok(View::Curves(beside([label, "density"], scale, range, &drawn, &marginal)?))
+    };
+    let views =
+        [panel(0, x, Scale::Linear)?, panel(0, x, Scale::Logarithmic)?, panel(1, "velocity v [L/T]", Scale::Linear)?];
     let caption = format!(
         "x″ + {DAMPING} x′ + x + 0.3 x³ = noise of the intensity λE[Y²]/2 = D = {INTENSITY}, E[ξ(t)ξ(t+τ)] = 2D δ(τ): white, or impulses \
          of normal amplitude at λ per unit time. Lines: closure of order {}, seed 0; points: simulation, seed 1.",

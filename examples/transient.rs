@@ -10,9 +10,10 @@
 
 use clap::Parser;
 use expoly::models::{Duffing, Solved};
-use expoly::{Closure, Density, Estimate, Grid, Simulation, Start, compare};
+use expoly::{Closure, Density, Error, Grid, Simulation, Start, compare};
 use std::path::PathBuf;
-use support::figure::{Panel, Scale, Style, View, between, curve, error_bars, values, write_figure};
+use support::figure::{Drawn, Panel, Scale, Style, View, beside, curve, error_bars, write_figure};
+use support::text::{aligned, headed};
 
 /// A start in one of two wells, and what is left of it.
 #[derive(Clone, Debug, Parser)]
@@ -36,13 +37,11 @@ struct Options {
 
 /// Times that are nearer to each other are one.
 const NEAR: f64 = 1e-9;
-/// The bottom of the right well, at rest.
-const START: [f64; 2] = [1.0, 0.0];
 
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let problem = Duffing::new(0.5, -1.0, 1.0, 0.3)?.problem()?;
     let closure = Closure::new(options.order);
-    let (stationary, start) = (closure.solve(&problem)?, Start::Point(START.to_vec()));
+    let (stationary, start) = (closure.solve(&problem)?, Start::Point(vec![1.0, 0.0]));
     let modes = stationary.relaxation(4)?;
     println!("modes of relaxation by the closure: rate, frequency");
     modes.iter().skip(1).for_each(|mode| println!("  {:.5} {:.5}, ± {:.0e}", mode.rate, mode.frequency, mode.error));
@@ -56,49 +55,38 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let grid = Grid::new().accuracy(options.accuracy).solve(&problem)?;
     let (closed, on_grid) = (closure.transient(&problem, &start, &all)?, grid.transient(&start, &all, 1e-4)?);
     let both = || closed.iter().zip(&on_grid);
-    let is_shown = |time: f64| options.times.iter().any(|shown| (shown - time).abs() < NEAR);
     let simulation = Simulation::new().trajectories(options.trajectories).seed(1);
     let simulated = simulation.transient(&problem, &start, &options.times)?;
-    let (x, places) = (between([-2.6, 2.6], 131), between([-2.3, 2.3], 24));
     let labels = ["displacement x [L]", "density p(x, t) [1/L]"];
     let (mut views, mut sampled) = (Vec::new(), [const { Vec::new() }; 2]);
-    println!(
-        "{:>6}{:>24}{:>24}{:>24}{:>10}{:>10}  origin",
-        "t", "E x: closure", "grid", "simulation", "L1", "estimate"
-    );
-    for ((closed, on_grid), simulated) in both().filter(|(closed, _)| is_shown(closed.time)).zip(&simulated) {
-        let (time, simulated) = (closed.time, &simulated.density);
-        let (mean, variance) = (simulated.moment(&[1, 0])?, simulated.variance(0)?);
-        let histogram = values(&places, |x| simulated.histogram(0)?.density_at(&[x]))?;
-        let (density, truth) = (&closed.density, &on_grid.density);
-        let cell = |estimate: Estimate| format!("{:>24}", estimate.to_string());
-        let cells = [closed.moment(&[1, 0])?, on_grid.moment(&[1, 0])?, mean].map(cell).concat();
-        let (distance, origin) = (compare::l1(density, truth)?.value, density.candidates()[0].origin);
-        println!("{time:6}{cells}{distance:10.1e}{:10.1e}  {origin}", density.l1_estimate());
+    let mut rows = headed(["t", "E x: closure", "grid", "simulation", "L1", "estimate", "origin"]);
+    let shown = both().filter(|(closed, _)| options.times.iter().any(|time| (time - closed.time).abs() < NEAR));
+    for ((closed, on_grid), simulated) in shown.zip(&simulated) {
+        let (time, density, truth) = (closed.time, &closed.density, &on_grid.density);
+        let (mean, variance) = (simulated.moment(&[1, 0])?, simulated.density.variance(0)?);
+        let cells = [closed.moment(&[1, 0])?, on_grid.moment(&[1, 0])?, mean].map(|found| found.to_string());
+        let errors = [compare::l1(density, truth)?.value, density.l1_estimate()].map(|l1| format!("{l1:.1e}"));
+        let origin = density.candidates()[0].origin.to_string();
+        rows.push([time.to_string()].into_iter().chain(cells).chain(errors).chain([origin]).collect());
         sampled[0].push([time, mean.value, mean.error]);
         sampled[1].push([time, variance.value, variance.error]);
-        let curves = vec![
-            curve("grid", Style::Solid, 0, &values(&x, |x| truth.marginal(0, x))?),
-            curve(
-                &format!("closure, n = {}", options.order),
-                Style::Dashed,
-                1,
-                &values(&x, |x| density.marginal(0, x))?,
-            ),
-            curve("simulation", Style::Points, 2, &histogram),
+        let drawn: [Drawn<'_>; 3] = [
+            (String::from("grid"), Style::Solid, 0, truth),
+            (format!("closure, n = {}", options.order), Style::Dashed, 1, density),
+            (String::from("simulation"), Style::Points, 2, &simulated.density),
         ];
-        let mut panel = Panel::new(labels, Scale::Linear, curves).with_x_range([-2.6, 2.6]);
-        panel.title = format!("t = {time}");
-        views.push(View::Curves(panel));
+        let range = ([-2.6, 2.6], 131);
+        let panel = beside(labels, Scale::Linear, range, &drawn, &|density, x| density.marginal(0, x))?;
+        views.push(View::Curves(Panel { title: format!("t = {time}"), ..panel }));
     }
+    print!("{}", aligned(&rows, 0));
 
     // Over time: moments, and what is left of the start.
     let mut lines = [const { Vec::new() }; 3];
     let mut known = [const { Vec::new() }; 2];
     for (closed, on_grid) in both() {
-        let of = |mean: f64, square: f64| [mean, square - mean * mean];
-        let own = of(closed.moment(&[1, 0])?.value, closed.moment(&[2, 0])?.value);
-        let truth = of(on_grid.moment(&[1, 0])?.value, on_grid.moment(&[2, 0])?.value);
+        let of = |density: &dyn Density| Ok::<_, Error>([density.moment(&[1, 0])?.value, density.variance(0)?.value]);
+        let (own, truth) = (of(&closed.density)?, of(&on_grid.density)?);
         (0..2).for_each(|k| lines[k].push([closed.time, own[k]]));
         (0..2).for_each(|k| known[k].push([closed.time, truth[k]]));
         lines[2].push([closed.time, compare::l1(&closed.density, &stationary)?.value]);
@@ -121,8 +109,9 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
          {} trajectories, seed 1, one standard error.",
         options.order, options.accuracy, options.trajectories
     );
-    write_figure(&options.out.join("transient.svg"), &caption, 3, &views)?;
-    println!("figure: {}", options.out.join("transient.svg").display());
+    let path = options.out.join("transient.svg");
+    write_figure(&path, &caption, 3, &views)?;
+    println!("figure: {}", path.display());
     Ok(())
 }
 

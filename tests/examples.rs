@@ -402,6 +402,23 @@ fn many_states_takes_a_chain_of_any_length() {
     assert!(!output.status.success() && String::from_utf8(output.stderr).unwrap().contains("two at least"));
 }
 
+/// The short table of README is of numbers that the measured page on accuracy has.
+#[test]
+fn the_readme_quotes_the_page_on_accuracy() {
+    let read = |name: &str| std::fs::read_to_string(commands::root().join(name)).unwrap();
+    let (readme, page) = (read("README.md"), read("src/guide/accuracy.md"));
+    let table = readme.lines().skip_while(|line| !line.starts_with("| system | error")).skip(2);
+    let mut quoted = 0;
+    for row in table.take_while(|line| line.starts_with('|')) {
+        let words = row.split(|c: char| !(c.is_ascii_digit() || ".e-".contains(c)));
+        for number in words.filter(|word| word.contains(['.', 'e']) && word.parse::<f64>().is_ok()) {
+            quoted += 1;
+            assert!(page.contains(number), "the page on accuracy does not have the {number} of {row}");
+        }
+    }
+    assert!(quoted > 10, "{quoted} numbers");
+}
+
 /// The commands of README and guide, their options read before `--help` ends the program; files that they name are there. What
 /// takes no options is not run.
 #[test]

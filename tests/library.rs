@@ -1,4 +1,4 @@
-//! The library: problems, the methods, what can be done with their answers, and what the documents say of them.
+//! The library: problems, the methods, and what can be done with their answers.
 //!
 //! One program, so that what its parts have in common is compiled, linked and solved once.
 
@@ -8,7 +8,6 @@
 mod answers;
 mod closure;
 mod common;
-mod documents;
 mod grid;
 mod inverse;
 mod pins;

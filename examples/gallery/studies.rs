@@ -1,14 +1,14 @@
 //! Two studies: convergence with the order, and a density that changes its shape with a parameter.
 
-use crate::page::{Section, Table};
-use crate::plan::Plan;
-use crate::section::{Outcome, illustrated, number};
+use crate::Plan;
+use crate::section::Outcome;
 use expoly::models::{CubicDamping, DuffingVanDerPol};
 use expoly::statistics::Marginal;
 use expoly::study::{Case, OrderStudy};
 use expoly::{Closure, Density, Problem};
 use support::figure::{Panel, Scale, Style, View, band, between, curve, orders::views};
-use support::shown;
+use support::page::{Section, Table};
+use support::text::{number, shown};
 
 /// The L¹ error of both closures, and the robust one's own estimate, over the order.
 pub(crate) fn convergence(plan: &Plan) -> Outcome<Section> {
@@ -19,15 +19,9 @@ pub(crate) fn convergence(plan: &Plan) -> Outcome<Section> {
         .method(NAMES[1], Closure::classical);
     let orders: Vec<u32> = (2..=plan.highest).step_by(2).collect();
     let study = OrderStudy::new(&orders).case(case).run()?;
-    let mut table = Table::new([
-        "order n",
-        "unknowns",
-        "L¹ error",
-        "its estimate",
-        "closest of the order",
-        "indicator η",
-        "classical closure: L¹",
-    ]);
+    let errors = ["L¹ error", "its estimate", "closest of the order", "indicator η", "classical closure: L¹"];
+    let [error, estimate, closest, indicator, other] = errors;
+    let mut table = Table::new(["order n", "unknowns", error, estimate, closest, indicator, other]);
     let (robust, classical) = study.rows().split_at(orders.len());
     for (robust, classical) in robust.iter().zip(classical) {
         let numbered = |value: Option<f64>| value.map_or_else(String::new, number);
@@ -47,9 +41,10 @@ pub(crate) fn convergence(plan: &Plan) -> Outcome<Section> {
          of seed {}.",
         plan.seed
     );
-    let lead = "The closure's L¹ error falls with its order, and its own estimate follows it; the closest exponential polynomial of the order is the best that any closure could be.";
-    let texts = [String::from("Which order is enough"), lead.to_owned(), caption];
-    illustrated(plan, "convergence", texts, (1, &views(&study)), table)
+    let lead = "The closure's L¹ error falls with its order, and its own estimate follows it; the closest exponential \
+        polynomial of the order is the best that any closure could be.";
+    let texts = ["Which order is enough", lead, &caption];
+    Ok(Section::illustrated(&plan.out, "convergence", texts, (1, &views(&study)), table)?)
 }
 
 /// The mean square and the modes of a van der Pol oscillator over its linear damping.
@@ -87,6 +82,6 @@ pub(crate) fn sweep(plan: &Plan) -> Outcome<Section> {
     );
     let lead = "Where the linear damping α falls below a negative value, the displacement's density has two modes: the noisy \
         oscillator spends its time on a limit cycle.";
-    let texts = [String::from("When a density splits"), lead.to_owned(), caption];
-    illustrated(plan, "sweep", texts, (2, &views), table)
+    let texts = ["When a density splits", lead, &caption];
+    Ok(Section::illustrated(&plan.out, "sweep", texts, (2, &views), table)?)
 }

@@ -7,14 +7,12 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
-mod figures;
 mod options;
-mod report;
+mod show;
 mod study;
-mod table;
 
 use clap::Parser;
-use options::Options;
+use options::{Options, model};
 use std::process::ExitCode;
 use study::Study;
 
@@ -23,25 +21,20 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
-    for y in &options.at {
-        if !y.is_finite() {
-            return Err(format!("--at {y}: give finite displacements").into());
-        }
+    if let Some(y) = options.at.iter().find(|y| !y.is_finite()) {
+        return Err(format!("--at {y}: give finite displacements").into());
     }
-    for parameters in options.cases() {
+    for case in options.cases() {
         if options.json {
-            println!("{}", report::report(&Study::run(parameters, options)?, &options.at)?);
+            println!("{}", Study::run(case, options)?.report(&options.at)?);
             return Ok(());
         }
-        let model = parameters.model()?;
-        println!("{}", model.wall().unfolded_equation(&model.problem()?)?);
-        let study = Study::run(parameters, options)?;
-        print!("{}", table::table(&study));
-        if !options.at.is_empty() {
-            print!("{}", table::pdf_table(&study, &options.at)?);
-        }
-        let figure = options.out.join(format!("{}.svg", parameters.stem()));
-        figures::draw(&study, &figure)?;
+        let wall = model(case)?;
+        println!("{}", wall.wall().unfolded_equation(&wall.problem()?)?);
+        let study = Study::run(case, options)?;
+        print!("{}", show::table(&study, &options.at));
+        let figure = options.out.join(format!("b{}_r{}.svg", case[3], case[4]));
+        show::draw(&study, &figure)?;
         println!("  figure: {}\n", figure.display());
     }
     Ok(())

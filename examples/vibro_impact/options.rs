@@ -77,89 +77,46 @@ pub(crate) enum Method {
     All,
 }
 
-/// One closure to solve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Task {
-    Robust(u32),
-    Classical(u32, Basis),
-}
-
-impl Method {
-    /// Whether `method` is requested.
-    pub(crate) fn includes(self, method: Method) -> bool {
-        self == Method::All || self == method
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum BasisName {
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum BasisName {
     Classical,
     Folded,
 }
 
-/// The parameters of one oscillator and its wall.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Parameters {
-    pub(crate) damping: f64,
-    pub(crate) stiffness: f64,
-    pub(crate) cubic: f64,
-    pub(crate) offset: f64,
-    pub(crate) restitution: f64,
-    pub(crate) intensity: f64,
-}
+/// c, k, μ, b, r and D.
+pub(crate) type Case = [f64; 6];
 
-impl Parameters {
-    pub(crate) fn model(&self) -> expoly::Result<VibroImpactDuffing> {
-        let oscillator = Duffing::new(self.damping, self.stiffness, self.cubic, self.intensity)?;
-        VibroImpactDuffing::new(oscillator, self.offset, self.restitution)
-    }
-
-    /// The parameters in one line, for captions and tables.
-    pub(crate) fn line(&self) -> String {
-        let Parameters { damping: c, stiffness: k, cubic: mu, offset: b, restitution: r, intensity: d } = self;
-        format!("b = {b}, r = {r}, c = {c}, k = {k}, μ = {mu}, D = {d}")
-    }
-
-    /// The case as a file name.
-    pub(crate) fn stem(&self) -> String {
-        format!("b{}_r{}", self.offset, self.restitution)
-    }
+pub(crate) fn model([c, k, mu, b, r, d]: Case) -> expoly::Result<VibroImpactDuffing> {
+    VibroImpactDuffing::new(Duffing::new(c, k, mu, d)?, b, r)
 }
 
 impl Options {
-    /// The cases to study: the one that the options describe, or the four standard ones.
-    pub(crate) fn cases(&self) -> Vec<Parameters> {
+    /// The case that the options describe, or the four standard ones.
+    pub(crate) fn cases(&self) -> Vec<Case> {
         let given = [self.damping, self.stiffness, self.cubic, self.offset, self.restitution, self.intensity];
-        let case = |offset: f64, restitution: f64| Parameters {
-            damping: self.damping.unwrap_or(0.2),
-            stiffness: self.stiffness.unwrap_or(1.0),
-            cubic: self.cubic.unwrap_or(0.3),
-            offset: self.offset.unwrap_or(offset),
-            restitution: self.restitution.unwrap_or(restitution),
-            intensity: self.intensity.unwrap_or(0.2),
+        let case = |[b, r]: [f64; 2]| {
+            let standard = [0.2, 1.0, 0.3, b, r, 0.2];
+            std::array::from_fn(|k| given[k].unwrap_or(standard[k]))
         };
         if self.json || given.iter().any(Option::is_some) {
-            return vec![case(0.0, 0.98)];
+            return vec![case([0.0, 0.98])];
         }
-        VibroImpactDuffing::STANDARD_WALLS.iter().map(|[b, r]| case(*b, *r)).collect()
+        VibroImpactDuffing::STANDARD_WALLS.map(case).to_vec()
     }
 
-    /// The closures to solve: the one that the options describe, or for comparison the classical method in both bases
-    /// beside the robust one.
-    pub(crate) fn closures(&self) -> Vec<Task> {
-        let basis = self.basis.map(|name| match name {
-            BasisName::Classical => Basis::Classical,
-            BasisName::Folded => Basis::Folded,
-        });
-        let classical = |basis| Task::Classical(self.order.unwrap_or(4), basis);
-        let robust = Task::Robust(self.order.unwrap_or(8));
-        match (self.method, basis) {
+    /// The closures' orders, and the bases of classical ones: the closure that the options describe, or for comparison the
+    /// classical method in both bases beside the robust one.
+    pub(crate) fn closures(&self) -> Vec<(u32, Option<Basis>)> {
+        let classical = |basis| (self.order.unwrap_or(4), Some(basis));
+        let robust = (self.order.unwrap_or(8), None);
+        match (self.method, self.basis) {
             (Method::Simulation | Method::Grid, _) => Vec::new(),
-            (_, Some(basis)) => vec![classical(basis)],
-            (Method::Classical, None) => vec![classical(Basis::Classical)],
-            (Method::Closure, None) => vec![robust],
-            (Method::All, None) if self.json || self.order.is_some() => vec![robust],
-            (Method::All, None) => vec![classical(Basis::Classical), classical(Basis::Folded), robust],
+            (_, Some(BasisName::Folded)) => vec![classical(Basis::Folded)],
+            (_, Some(BasisName::Classical)) | (Method::Classical, None) => vec![classical(Basis::Classical)],
+            (Method::All, None) if !self.json && self.order.is_none() => {
+                vec![classical(Basis::Classical), classical(Basis::Folded), robust]
+            }
+            (Method::All | Method::Closure, None) => vec![robust],
         }
     }
 }

@@ -7,7 +7,7 @@
 use crate::Outcome;
 use clap::Args;
 use expoly::models::{Duffing, Solved};
-use expoly::{Closure, Density, Grid, Problem, Result, Sensitivity, Wall};
+use expoly::{Closure, Density, Grid, Method, Problem, Result, Sensitivity, Wall};
 
 /// Derivatives by parameters above lossy walls.
 #[derive(Clone, Debug, Args)]
@@ -30,7 +30,7 @@ pub(crate) struct Options {
 }
 
 /// Those of E y, E y² and E y′², and of the impact rate.
-type Answers = [f64; 4];
+pub(crate) type Answers = [f64; 4];
 
 const NAMES: [&str; 6] = ["c", "k", "mu", "D", "x.above.offset", "x.above.restitution"];
 
@@ -59,55 +59,62 @@ fn of_density(density: &dyn Density, impacts: Option<f64>) -> Result<Answers> {
     answers(|powers| Ok(density.moment(powers)?.value), impacts)
 }
 
+/// The derivatives by each parameter of the grid's density.
+pub(crate) fn by_grid(problem: &Problem, accuracy: f64) -> Result<Vec<Answers>> {
+    let by = Grid::new().accuracy(accuracy).solve(problem)?.sensitivities(&NAMES)?;
+    let truth = |by: &expoly::GridSensitivity| {
+        answers(|powers| Ok(by.moment(powers)?.value), by.impact_rate().map(|rate| rate.value))
+    };
+    by.iter().map(truth).collect()
+}
+
+/// Two relative numbers for each parameter: of the moments the largest, and of the impact rate.
+type Apart = Vec<[f64; 2]>;
+
+/// How far those of the closure are off, and what they state: moments and impact rate for each parameter, relative to the truth.
+pub(crate) fn by_closure(problem: &Problem, order: u32, truths: &[Answers]) -> Result<(Apart, Apart)> {
+    let found = Closure::new(order).solve(problem)?.sensitivities(&NAMES)?;
+    let (mut off, mut stated) = (Vec::new(), Vec::new());
+    for (by, truth) in found.iter().zip(truths) {
+        let impacts = by.impact_rate();
+        off.push(apart(&answers(|powers| Ok(by.moment(powers)?.value), impacts.map(|rate| rate.value))?, truth));
+        let moments = [[1, 0], [2, 0], [0, 2]].iter().zip(truth);
+        let moments = moments.map(|(powers, truth)| Ok((by.moment(powers)?.error / truth).abs()));
+        let moments = moments.collect::<Result<Vec<f64>>>()?.into_iter().fold(0.0, f64::max);
+        stated.push([moments, impacts.map_or(f64::NAN, |rate| (rate.error / truth[3]).abs())]);
+    }
+    Ok((off, stated))
+}
+
 pub(crate) fn run(options: &Options) -> Outcome {
     let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
     for (&b, &r) in options.wall.iter().flat_map(|b| options.restitutions.iter().map(move |r| (b, r))) {
         let problem = duffing.clone().with_wall(Wall::above(b, r)?)?;
-        let grid = Grid::new().accuracy(options.accuracy);
-        let by = grid.solve(&problem)?.sensitivities(&NAMES)?;
-        let truth = |by: &expoly::GridSensitivity| {
-            answers(|powers| Ok(by.moment(powers)?.value), by.impact_rate().map(|rate| rate.value))
-        };
-        let truths = by.iter().map(truth).collect::<Result<Vec<_>>>()?;
+        let truths = by_grid(&problem, options.accuracy)?;
         println!("b = {b}, r = {r}; moments and impact rate relative to the grid's derivatives");
         let print = |what: &str, off: Vec<[f64; 2]>| {
             let row: Vec<String> = off.iter().map(|[moments, rate]| format!("{moments:.1e} {rate:.1e}")).collect();
             println!("  {what:22} {}", row.join("  "));
         };
         println!("  {:22} {}", "", NAMES.map(|name| format!("{:15}", name.trim_start_matches("x.above."))).join("  "));
-        if options.step > 0.0 {
-            let of_grid = |problem: &Problem| {
-                let density = grid.solve(problem)?;
-                of_density(&density, density.impact_rate().map(|rate| rate.value))
+        let by_differences = |what: &str, solve: &dyn Fn(&Problem) -> Result<Box<dyn Density>>| -> Result<()> {
+            let of = |problem: &Problem| {
+                let density = solve(problem)?;
+                of_density(&*density, density.impact_rate().map(|rate| rate.value))
             };
-            let found = differences(&problem, options.step, &of_grid)?;
-            print("differences, grid", found.iter().zip(&truths).map(|(found, truth)| apart(found, truth)).collect());
+            let found = differences(&problem, options.step, &of)?;
+            print(what, found.iter().zip(&truths).map(|(found, truth)| apart(found, truth)).collect());
+            Ok(())
+        };
+        if options.step > 0.0 {
+            by_differences("differences, grid", &|problem| Grid::new().accuracy(options.accuracy).density(problem))?;
         }
         for &order in &options.orders {
-            let closure = Closure::new(order);
-            let found = closure.solve(&problem)?.sensitivities(&NAMES)?;
-            let mut off = Vec::new();
-            let mut stated = Vec::new();
-            for (by, truth) in found.iter().zip(&truths) {
-                let impacts = by.impact_rate();
-                let own = answers(|powers| Ok(by.moment(powers)?.value), impacts.map(|rate| rate.value))?;
-                off.push(apart(&own, truth));
-                let moments = [[1, 0], [2, 0], [0, 2]]
-                    .iter()
-                    .zip(truth)
-                    .map(|(powers, truth)| Ok((by.moment(powers)?.error / truth).abs()));
-                let moments = moments.collect::<Result<Vec<f64>>>()?.into_iter().fold(0.0, f64::max);
-                stated.push([moments, impacts.map_or(f64::NAN, |rate| (rate.error / truth[3]).abs())]);
-            }
+            let (off, stated) = by_closure(&problem, order, &truths)?;
             print(&format!("n = {order}"), off);
             print("  stated errors", stated);
             if options.step > 0.0 {
-                let of_closure = |problem: &Problem| {
-                    let density = closure.solve(problem)?;
-                    of_density(&density, density.impact_rate().map(|rate| rate.value))
-                };
-                let found = differences(&problem, options.step, &of_closure)?;
-                print("  differences", found.iter().zip(&truths).map(|(found, truth)| apart(found, truth)).collect());
+                by_differences("  differences", &|problem| Closure::new(order).density(problem))?;
             }
         }
     }

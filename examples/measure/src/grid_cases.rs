@@ -7,7 +7,7 @@ use crate::Outcome;
 use clap::Args;
 use expoly::{Density, Error, Grid, GridDensity, Problem, compare};
 use std::time::Instant;
-use support::shown;
+use support::text::shown;
 
 /// The grid at stated accuracies, against finer solutions.
 #[derive(Clone, Debug, Args)]

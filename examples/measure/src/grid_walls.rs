@@ -6,7 +6,7 @@
 use crate::Outcome;
 use clap::Args;
 use expoly::{Density, Grid};
-use support::{shown, walls};
+use support::{text::shown, walls};
 
 /// The grid against the reference table of walls.
 #[derive(Clone, Debug, Args)]

@@ -29,7 +29,7 @@ pub(crate) struct Options {
 }
 
 /// x″ + (c₀ + c₂ x²) x′ + k x + μ x³ = noise.
-struct Struck {
+pub(crate) struct Struck {
     dampings: [f64; 2],
     springs: [f64; 2],
     white: f64,
@@ -53,7 +53,7 @@ impl Oscillator for Struck {
 /// Cells along either state.
 const CELLS: usize = 20;
 
-fn cases() -> Result<Vec<(String, Struck)>> {
+pub(crate) fn cases() -> Result<Vec<(String, Struck)>> {
     let normal = Amplitude::Normal { mean: 0.0, deviation: 1.0 };
     let uniform = Amplitude::Uniform { low: -1.0, high: 1.0 };
     let two = Amplitude::TwoPoint { a: -1.0, b: 1.0 };
@@ -89,23 +89,42 @@ fn cases() -> Result<Vec<(String, Struck)>> {
     Ok(cases)
 }
 
+/// By so many millions of states.
+pub(crate) fn cells(problem: &Problem, millions: u64) -> Result<Cells> {
+    Cells::new(problem, CELLS, 0.02, millions)
+}
+
+/// What a closure is off by, and what it says.
+pub(crate) struct Found {
+    pub(crate) distance: f64,
+    pub(crate) estimate: f64,
+    pub(crate) warning: Option<String>,
+    seconds: f64,
+}
+
+/// None where the order has no density.
+pub(crate) fn found(problem: &Problem, cells: &Cells, order: u32, seed: u64) -> Result<Option<Found>> {
+    let begin = Instant::now();
+    let Ok(density) = Closure::new(order).seed(seed).solve(problem) else { return Ok(None) };
+    let seconds = begin.elapsed().as_secs_f64();
+    let (distance, estimate) = (cells.distance(&density)?, density.l1_estimate());
+    Ok(Some(Found { distance, estimate, warning: density.warning().map(str::to_owned), seconds }))
+}
+
 pub(crate) fn run(options: &Options) -> Outcome {
     println!("{:>26}    L1 / estimate, seconds, w where warned, at n = {:?}", "impulses per unit time", options.orders);
     for (name, struck) in cases()?.into_iter().filter(|(name, _)| name.contains(&options.only)) {
         let problem = Problem::of(struck)?;
-        let cells = Cells::new(&problem, CELLS, 0.02, options.states)?;
+        let cells = cells(&problem, options.states)?;
         for seed in 0..options.seeds {
             let mut line = format!("{name:>26}");
             for &order in &options.orders {
-                let begin = Instant::now();
-                line += &match Closure::new(order).seed(seed).solve(&problem) {
-                    Ok(density) => {
-                        let seconds = begin.elapsed().as_secs_f64();
-                        let warned = if density.warning().is_some() { " w" } else { "" };
-                        let (distance, estimate) = (cells.distance(&density)?, density.l1_estimate());
+                line += &match found(&problem, &cells, order, seed)? {
+                    Some(Found { distance, estimate, warning, seconds }) => {
+                        let warned = if warning.is_some() { " w" } else { "" };
                         format!("  {distance:.1e}/{estimate:.1e} {seconds:.2}{warned}")
                     }
-                    Err(_) => String::from("  none"),
+                    None => String::from("  none"),
                 };
             }
             println!("{line}");

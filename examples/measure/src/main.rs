@@ -5,16 +5,15 @@
 
 #![allow(clippy::print_stdout, reason = "a program that measures prints its results")]
 
+mod accuracy;
 mod calibration;
 mod campaign;
 mod cells;
-mod closure_cost;
 mod derivatives;
 mod derivatives_at_walls;
 mod draw;
 mod fuzz;
 mod grid_cases;
-mod grid_convergence;
 mod grid_walls;
 mod identification;
 mod impulses;
@@ -24,7 +23,6 @@ mod public;
 mod ranks;
 #[cfg(feature = "mpi")]
 mod studies;
-mod tails;
 mod time_step;
 mod transients;
 mod wall_table;
@@ -36,12 +34,12 @@ use std::process::ExitCode;
 /// Measures the library.
 #[derive(Debug, Parser)]
 enum Question {
+    /// The guide's page on accuracy
+    Accuracy(accuracy::Options),
     /// What do control variates do to the errors of a simulation?
     Calibration(calibration::Options),
     /// Does the closure give a density for every system, and is its estimate of the error right?
     Campaign(campaign::Options),
-    /// What does a closure cost, over its order, its nodes and its states?
-    ClosureCost(closure_cost::Options),
     /// How accurate are derivatives by parameters in three and four states?
     Derivatives(derivatives::Options),
     /// How accurate are derivatives by parameters above a wall that takes energy?
@@ -50,8 +48,6 @@ enum Question {
     Fuzz(fuzz::Options),
     /// Does the grid resolve by itself what people bring, and is its estimate right?
     GridCases(grid_cases::Options),
-    /// How accurate is the grid, and what does accuracy cost?
-    GridConvergence(grid_convergence::Options),
     /// How accurate is the grid above a wall that takes energy?
     GridWalls(grid_walls::Options),
     /// How often do intervals of identified parameters hold the true ones?
@@ -68,8 +64,6 @@ enum Question {
     /// A sweep and a study of orders on all ranks of MPI
     #[cfg(feature = "mpi")]
     Studies(studies::Options),
-    /// How far into the tail does splitting reach, and how accurately?
-    Tails(tails::Options),
     /// Of which order is the simulation's time step?
     TimeStep(time_step::Options),
     /// How good is the closure in time, and is its estimate right?
@@ -84,14 +78,13 @@ type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 fn main() -> ExitCode {
     support::exit_code(match Question::parse() {
+        Question::Accuracy(options) => accuracy::run(&options),
         Question::Calibration(options) => calibration::run(&options),
         Question::Campaign(options) => campaign::run(&options),
-        Question::ClosureCost(options) => closure_cost::run(&options),
         Question::Derivatives(options) => derivatives::run(&options),
         Question::DerivativesAtWalls(options) => derivatives_at_walls::run(&options),
         Question::Fuzz(options) => fuzz::run(&options),
         Question::GridCases(options) => grid_cases::run(&options),
-        Question::GridConvergence(options) => grid_convergence::run(&options),
         Question::GridWalls(options) => grid_walls::run(&options),
         Question::Identification(options) => identification::run(&options),
         Question::Impulses(options) => impulses::run(&options),
@@ -101,7 +94,6 @@ fn main() -> ExitCode {
         Question::Ranks(options) => ranks::run(&options),
         #[cfg(feature = "mpi")]
         Question::Studies(options) => studies::run(&options),
-        Question::Tails(options) => tails::run(&options),
         Question::TimeStep(options) => time_step::run(&options),
         Question::Transients(options) => transients::run(&options),
         Question::WallTable(options) => wall_table::run(&options),

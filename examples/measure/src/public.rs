@@ -9,7 +9,7 @@ use clap::Args;
 use expoly::{Closure, Density, Grid, Problem, Result, Simulation};
 use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
-use support::shown;
+use support::text::shown;
 
 /// Systems from public code by every method.
 #[derive(Clone, Debug, Args)]
@@ -37,7 +37,7 @@ macro_rules! case {
 const KNOWN: &str = include_str!("../../../tests/cases/known.csv");
 
 /// A moment that is known.
-struct Known {
+pub(crate) struct Known {
     state: &'static str,
     power: u32,
     value: f64,
@@ -45,7 +45,7 @@ struct Known {
 }
 
 /// The moments of a system that are known.
-fn known(system: &str) -> Vec<Known> {
+pub(crate) fn known(system: &str) -> Vec<Known> {
     let row = |line: &'static str| {
         let [name, state, power, value, off] = line.split(',').collect::<Vec<_>>().try_into().ok()?;
         let known = Known { state, power: power.parse().ok()?, value: value.parse().ok()?, off: off.parse().ok()? };
@@ -55,7 +55,7 @@ fn known(system: &str) -> Vec<Known> {
 }
 
 /// The systems and their texts.
-const CASES: [(&str, &str); 26] = [
+pub(crate) const CASES: [(&str, &str); 26] = [
     case!("recharge"),
     case!("excitable"),
     case!("cycle-multiplicative"),
@@ -85,15 +85,15 @@ const CASES: [(&str, &str); 26] = [
 ];
 
 /// What a method says.
-struct Said {
+pub(crate) struct Said {
     /// Of the known moments the worst error, over the truth and over the stated error.
-    off: Option<[f64; 2]>,
-    estimate: Option<f64>,
-    warning: Option<String>,
+    pub(crate) off: Option<[f64; 2]>,
+    pub(crate) estimate: Option<f64>,
+    pub(crate) warning: Option<String>,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Method {
+pub(crate) enum Method {
     Closure(u32),
     Grid,
     Simulation,
@@ -152,7 +152,7 @@ fn within(seconds: u64, problem: &Problem, method: Method, known: Vec<Known>) ->
     receiver.recv_timeout(Duration::from_secs(seconds)).ok()
 }
 
-fn said(problem: &Problem, method: Method, known: &[Known]) -> Result<Said> {
+pub(crate) fn said(problem: &Problem, method: Method, known: &[Known]) -> Result<Said> {
     let powers: Vec<Vec<u32>> = known
         .iter()
         .map(|known| problem.states().iter().map(|state| if state == known.state { known.power } else { 0 }).collect())

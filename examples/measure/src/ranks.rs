@@ -7,7 +7,7 @@ use expoly::models::{Duffing, Solved};
 use expoly::{Crossing, Density, Error, Estimate, SimulatedDensity, Simulation, Wall};
 use mpi::{Threading, traits::Communicator};
 use std::{path::PathBuf, time::Duration};
-use support::shown;
+use support::text::shown;
 
 /// How to simulate.
 #[derive(Clone, Debug, Args)]

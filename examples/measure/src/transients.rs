@@ -8,7 +8,10 @@
 use crate::Outcome;
 use clap::Args;
 use expoly::models::{Duffing, Solved};
-use expoly::{Closure, Course, Density, Envelope, Gaussian, Grid, Problem, Result, Start, Wall, Weight, compare};
+use expoly::{
+    Closure, ClosureDensity, Course, Density, Envelope, Gaussian, Grid, GridDensity, Problem, Result, Start, Transient,
+    Wall, Weight, compare,
+};
 use nalgebra::{dmatrix, dvector};
 use std::time::Instant;
 
@@ -29,8 +32,8 @@ pub(crate) struct Options {
     only: String,
 }
 
-struct Case {
-    name: &'static str,
+pub(crate) struct Case {
+    pub(crate) name: &'static str,
     problem: Problem,
     /// The displacement that the start is about.
     start: f64,
@@ -39,7 +42,7 @@ struct Case {
     domain: Option<[[f64; 2]; 2]>,
 }
 
-fn cases() -> Result<Vec<Case>> {
+pub(crate) fn cases() -> Result<Vec<Case>> {
     let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?.problem()?;
     let text = "states = [\"x\", \"v\"]\n[drift]\nx = \"v\"\nv = \"0.5*(1 - x^2)*v - x\"\n[noise.w]\nv = \"sqrt(0.6)\"";
     let plain = |name, problem, start, domain| Case { name, problem, start, envelope: None, domain };
@@ -61,51 +64,58 @@ fn cases() -> Result<Vec<Case>> {
     ])
 }
 
+impl Case {
+    /// From N((start, 0), 0.2² I).
+    fn course(&self) -> Course {
+        let (mean, covariance) = (dvector![self.start, 0.0], dmatrix![0.04, 0.0; 0.0, 0.04]);
+        let course = Course::from(Start::Gaussian(Gaussian { mean, covariance }));
+        self.envelope.clone().map_or(course.clone(), |envelope| course.under(envelope))
+    }
+
+    /// The grid's stationary density and those at some times.
+    pub(crate) fn truth(&self, accuracy: f64, times: &[f64]) -> Result<(GridDensity, Vec<Transient<GridDensity>>)> {
+        let grid = Grid::new().accuracy(accuracy);
+        let stationary = self.domain.map_or(grid.clone(), |domain| grid.domain(domain)).solve(&self.problem)?;
+        let densities = stationary.transient(self.course(), times, 1e-4)?;
+        Ok((stationary, densities))
+    }
+
+    /// The distances of the closure's densities, and its estimates of them.
+    pub(crate) fn distances(
+        &self,
+        order: u32,
+        times: &[f64],
+        (_, truth): &(GridDensity, Vec<Transient<GridDensity>>),
+    ) -> Result<Vec<[f64; 2]>> {
+        let found = Closure::new(order).weight(Weight::Density).transient(&self.problem, self.course(), times)?;
+        let pair = |(found, truth): (&Transient<_>, &Transient<GridDensity>)| {
+            let (found, truth): (&ClosureDensity, _) = (&found.density, &truth.density);
+            Ok([compare::l1(found, truth)?.value, found.l1_estimate()])
+        };
+        found.iter().zip(truth).map(pair).collect()
+    }
+}
+
 pub(crate) fn run(options: &Options) -> Outcome {
     let times = &options.times;
     println!("L1 / estimate at t = {times:?}; seconds for all times");
-    for Case { name, problem, start, envelope, domain } in cases()? {
-        if !name.contains(&options.only) {
-            continue;
-        }
-        let start =
-            Start::Gaussian(Gaussian { mean: dvector![start, 0.0], covariance: dmatrix![0.04, 0.0; 0.0, 0.04] });
-        let mut grid = Grid::new().accuracy(options.accuracy);
-        if let Some(domain) = domain {
-            grid = grid.domain(domain);
-        }
-        let stationary = grid.solve(&problem)?;
-        let steady = envelope.is_none();
-        let course = match envelope {
-            None => Course::from(start),
-            Some(envelope) => Course::from(start).under(envelope),
-        };
-        let truth = stationary.transient(&course, times, 1e-4)?;
-        let cells = |of: &dyn Fn(usize) -> Result<String>| (0..times.len()).map(of).collect::<Result<String>>();
-        println!("{name:>14}     grid {}", cells(&|k| Ok(format!("{:>18.1e}", truth[k].density.l1_estimate())))?);
+    for case in cases()?.into_iter().filter(|case| case.name.contains(&options.only)) {
+        let (name, truth) = (case.name, case.truth(options.accuracy, times)?);
+        let estimates = truth.1.iter().map(|at| format!("{:>18.1e}", at.density.l1_estimate()));
+        println!("{name:>14}     grid {}", estimates.collect::<String>());
         for &order in &options.orders {
             let begin = Instant::now();
-            let closure = Closure::new(order).weight(Weight::Density);
-            let found = closure.transient(&problem, &course, times)?;
+            let found = case.distances(order, times, &truth)?;
             let seconds = begin.elapsed().as_secs_f64();
-            let cell = |k: usize| {
-                let distance = compare::l1(&found[k].density, &truth[k].density)?.value;
-                Ok(format!("{distance:>10.1e}/{:.1e}", found[k].density.l1_estimate()))
-            };
-            println!("{name:>14}  n = {order:<2} {}  {seconds:.2}", cells(&cell)?);
+            let cells = found.iter().map(|[distance, estimate]| format!("{distance:>10.1e}/{estimate:.1e}"));
+            println!("{name:>14}  n = {order:<2} {}  {seconds:.2}", cells.collect::<String>());
         }
-        if steady {
-            let own = Closure::new(6).solve(&problem)?.relaxation(4)?;
-            for (own, grid) in own.iter().zip(stationary.relaxation(4)?).skip(1) {
+        if case.envelope.is_none() {
+            let own = Closure::new(6).solve(&case.problem)?.relaxation(4)?;
+            for (own, grid) in own.iter().zip(truth.0.relaxation(4)?).skip(1) {
                 let apart = (own.rate - grid.rate).hypot(own.frequency - grid.frequency);
-                let size = grid.rate.hypot(grid.frequency);
-                println!(
-                    "{:>21}  {:.7} ± {:.7} i, from the grid's {:.1e}",
-                    "rate",
-                    own.rate,
-                    own.frequency,
-                    apart / size
-                );
+                let apart = apart / grid.rate.hypot(grid.frequency);
+                println!("{:>21}  {:.7} ± {:.7} i, from the grid's {apart:.1e}", "rate", own.rate, own.frequency);
             }
         }
     }

@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 /// The documents, from the root of the repository.
-pub const DOCUMENTS: [&str; 8] = [
+pub const DOCUMENTS: [&str; 7] = [
     "README.md",
+    "examples/README.md",
     "src/guide/accuracy.md",
     "src/guide/conventions.md",
-    "src/guide/decisions.md",
     "src/guide/method.md",
     "src/guide/others.md",
-    "src/guide/programs.md",
     "src/guide/trust.md",
 ];
 

@@ -1,6 +1,7 @@
-//! What the examples, tests and benches share: systems, studies of orders, parts of studies, figures, files, numbers in JSON, progress bars,
-//! timings, the commands that documents name.
+//! What the examples, tests and benches share: systems, answers beside each other, studies of orders, parts of studies, figures,
+//! tables, files, numbers in JSON, an optimiser, progress bars, timings, the commands that documents name.
 
+pub mod answers;
 pub mod bench;
 pub mod commands;
 pub mod dealt;
@@ -8,8 +9,11 @@ pub mod exact;
 pub mod figure;
 pub mod json;
 pub mod models;
+pub mod optimum;
 pub mod orders;
+pub mod page;
 pub mod progress;
+pub mod text;
 pub mod walls;
 
 mod shaken;
@@ -27,9 +31,4 @@ pub fn exit_code(outcome: Result<(), Box<dyn std::error::Error>>) -> std::proces
             std::process::ExitCode::FAILURE
         }
     }
-}
-
-/// A field of an answer's provenance; a dash where its method has no such field.
-pub fn shown<T: std::fmt::Display>(known: Option<T>) -> String {
-    known.map_or_else(|| String::from("-"), |value| value.to_string())
 }

@@ -1,9 +1,8 @@
-//! The models of two states with the parameters that the examples give them, and their exact densities, where these are
-//! known.
+//! The models with the parameters that the examples give them, and their exact densities, where these are known.
 
 use expoly::models::{
-    CubicDamping, DisplacementNoise, Duffing, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear, PowerLaw,
-    QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise, VibroImpactDuffing,
+    CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear,
+    PowerLaw, QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise, VibroImpactDuffing,
 };
 use expoly::{Density, ExpPolynomial, Method, Problem, Result};
 
@@ -181,5 +180,15 @@ pub fn models() -> Result<Vec<Model>> {
             ],
             VibroImpactDuffing::standard([-0.5, 0.9])?.problem()?,
         ),
+        solved(
+            [
+                "two_degrees_of_freedom",
+                "DuffingChain",
+                "x_i″ + c_i x_i′ + k x_i + μ x_i³ + κ (x_i − x_j) = ξ_i, i = 1, 2: four states",
+                "c₁ = 0.2, c₂ = 0.4, k = 1, μ = 0.3, κ = 0.5, D_i = 0.8 c_i",
+            ],
+            4,
+            DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?,
+        )?,
     ])
 }

@@ -2,7 +2,6 @@
 
 use crate::models::{About, Exact, Model, models};
 use clap::{Args, ValueEnum};
-use expoly::models::{DuffingChain, Solved};
 use expoly::study::Case;
 use expoly::{Closure, Density, Grid, Problem, Simulation, Weight};
 
@@ -67,14 +66,6 @@ pub enum ClosestTo {
     States,
 }
 
-/// The model of more than two states.
-const CHAIN: About = About {
-    name: "two_degrees_of_freedom",
-    title: "DuffingChain",
-    equation: "x_i″ + c_i x_i′ + k x_i + μ x_i³ + κ (x_i − x_j) = ξ_i, i = 1, 2",
-    parameters: "c₁ = 0.2, c₂ = 0.4, k = 1, μ = 0.3, κ = 0.5, D_i = 0.8 c_i",
-};
-
 impl Setup {
     /// The models of these names as cases of a study.
     ///
@@ -82,15 +73,11 @@ impl Setup {
     /// For a name that no model has, and a reference that is not available.
     pub fn cases(&self, names: &[String]) -> Result<Vec<(About, Case<'_>)>, Box<dyn std::error::Error>> {
         let models = models()?;
-        let known: Vec<&str> = models.iter().map(|model| model.about.name).chain([CHAIN.name]).collect();
+        let known: Vec<&str> = models.iter().map(|model| model.about.name).collect();
         let refused = |name: &str| format!("--model {name}: no such model; there are {}", known.join(", "));
         let places = names.iter().map(|name| known.iter().position(|known| known == name).ok_or_else(|| refused(name)));
         let places = places.collect::<Result<Vec<_>, _>>()?;
-        let case = |place: usize| match models.get(place) {
-            Some(model) => Ok((model.about, self.case(model)?)),
-            None => Ok((CHAIN, self.case(&chain()?)?)),
-        };
-        places.into_iter().map(case).collect()
+        places.into_iter().map(|place| Ok((models[place].about, self.case(&models[place])?))).collect()
     }
 
     fn case(&self, model: &Model) -> Result<Case<'_>, Box<dyn std::error::Error>> {
@@ -98,7 +85,7 @@ impl Setup {
         if exact.is_none() && self.reference == Some(Reference::Exact) {
             return Err(format!("--model {}: no exact density is known", about.name).into());
         }
-        if about.name == CHAIN.name && self.reference.is_some_and(|reference| reference != Reference::Exact) {
+        if problem.dimension() > 2 && self.reference.is_some_and(|reference| reference != Reference::Exact) {
             let remedy = "it is compared with its exact density; leave --reference out";
             return Err(format!("--model {}: {remedy}", about.name).into());
         }
@@ -140,13 +127,6 @@ impl expoly::Method for Truth<'_> {
             _ => Grid::new().accuracy(*accuracy).density(problem),
         }
     }
-}
-
-/// The model of more than two states, whose density is known.
-fn chain() -> expoly::Result<Model> {
-    let chain = DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?;
-    let exact = Some(Exact::ExpPolynomial(Box::new(chain.exact()?)));
-    Ok(Model { about: CHAIN, problem: chain.problem()?, order: 4, exact })
 }
 
 /// The weight of the fit as an option.

@@ -19,9 +19,9 @@ mod grid;
 mod known;
 mod plane;
 mod runner;
-mod statistics;
+pub(crate) mod statistics;
 mod systems;
-mod walls;
+pub(crate) mod walls;
 
 use crate::Outcome;
 use clap::Args;

@@ -107,7 +107,7 @@ fn truth(_: usize, problem: &Problem) -> Result<GridDensity, String> {
 
 /// The joint L¹ error of the literature's closure; in brackets that of exp(Q) cut off at the edge of the grid where it is
 /// no density.
-fn classical(basis: Basis, problem: &Problem, truth: &GridDensity) -> expoly::Result<String> {
+pub(crate) fn classical(basis: Basis, problem: &Problem, truth: &GridDensity) -> expoly::Result<String> {
     let solution = Closure::classical(CLASSICAL_ORDER).basis(basis).solve(problem)?;
     let l1 = |density: &dyn Density| compare::l1(density, truth).map(|l1| l1.value);
     match (solution.density(), ExpPolynomial::cut_off(&solution.log_polynomial(), &truth.bounds())) {

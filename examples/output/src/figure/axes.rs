@@ -87,6 +87,9 @@ pub(super) fn curves(panel: &Panel, size: (f64, f64)) -> (Scene, Vec<LegendEntry
     entries.retain(|entry| !entry.label.is_empty());
 
     let mut layout = layout([&panel.title, &panel.x_label, &panel.y_label], x, y, size);
+    if !panel.categories.is_empty() {
+        layout = layout.with_x_categories(panel.categories.clone());
+    }
     // Names of powers of ten, and the places between them.
     let format = |v: f64| format!("10{}", superscript(v.round() as i32));
     let step = |[low, high]: [f64; 2]| ((high - low) / 8.0).ceil();

@@ -90,6 +90,8 @@ pub struct Panel {
     pub y_range: Option<[f64; 2]>,
     /// Limits of the abscissa; `None` fits the data.
     pub x_range: Option<[f64; 2]>,
+    /// Names at the abscissae 1, 2, … instead of numbers; empty for none.
+    pub categories: Vec<String>,
 }
 
 /// Axes with iso-lines of a positive function of two variables.
@@ -209,7 +211,28 @@ impl Panel {
     /// A panel of curves without a heading whose limits fit the data: the names and units of abscissa and ordinate.
     pub fn new([x_label, y_label]: [&str; 2], scale: Scale, curves: Vec<Curve>) -> Self {
         let (x_label, y_label) = (x_label.to_owned(), y_label.to_owned());
-        Panel { title: String::new(), x_label, y_label, scale, bands: Vec::new(), curves, y_range: None, x_range: None }
+        let (title, bands, categories) = (String::new(), Vec::new(), Vec::new());
+        Panel { title, x_label, y_label, scale, bands, curves, y_range: None, x_range: None, categories }
+    }
+
+    /// Bars from zero: a group at each category, and in it a bar of each series, which has a value for each category.
+    pub fn bars(labels: [&str; 2], categories: &[&str], series: &[(&str, Vec<f64>)]) -> Self {
+        let width = 0.8 / series.len().max(1) as f64;
+        let bar = |k: usize, name: &str, group: usize, value: f64| {
+            let begin = group as f64 + 0.6 + width * k as f64;
+            let points = [0.1, 0.9].map(|part| [begin + part * width, value.min(0.0), value.max(0.0)]);
+            // One entry of the legend stands for all bars of a series.
+            let label = if group == 0 { name.to_owned() } else { String::new() };
+            Band { label, colour: k + 1, points: points.to_vec() }
+        };
+        let bars = series.iter().enumerate().flat_map(|(k, (name, values))| {
+            values.iter().enumerate().map(move |(group, value)| bar(k, name, group, *value))
+        });
+        let ends = [0.5, categories.len() as f64 + 0.5];
+        let zero = curve("", Style::Solid, 0, &ends.map(|x| [x, 0.0]));
+        let categories = categories.iter().map(|name| (*name).to_owned()).collect();
+        let panel = Panel::new(labels, Scale::Linear, vec![zero]).with_bands(bars).with_x_range(ends);
+        Panel { categories, ..panel }
     }
 
     /// The same with bands behind the curves.

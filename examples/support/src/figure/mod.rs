@@ -1,6 +1,9 @@
 //! Figures of the examples, and what they draw of densities and studies.
 
+mod densities;
 pub mod orders;
+
+pub use densities::{Drawn, VISIBLE, above, beside, plane};
 
 use expoly::{Histogram, Result};
 

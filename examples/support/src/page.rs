@@ -1,6 +1,8 @@
-//! The page: figures inline, tables, nothing that needs a network or a script.
+//! A page of figures and tables, which needs no network and no script.
 
+use crate::figure::{View, svg, write_figure};
 use std::fmt::Write;
+use std::path::Path;
 
 const STYLE: &str = "
 body { font: 16px/1.45 Georgia, 'Times New Roman', serif; color: #111; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
@@ -27,28 +29,50 @@ a { color: #0072B2; }
 ";
 
 /// One model or study: a heading, a figure with its caption, a table.
-pub(crate) struct Section {
-    pub(crate) slug: String,
-    pub(crate) title: String,
-    pub(crate) lead: String,
-    pub(crate) svg: String,
-    pub(crate) caption: String,
-    pub(crate) table: Table,
+#[derive(Clone, Debug)]
+pub struct Section {
+    slug: String,
+    title: String,
+    lead: String,
+    svg: String,
+    caption: String,
+    table: Table,
+}
+
+impl Section {
+    /// The section of a figure of so many columns, which is written to `folder` under the name `slug`, its numbers beside it.
+    ///
+    /// # Errors
+    /// Where the figure cannot be written.
+    pub fn illustrated(
+        folder: &Path,
+        slug: &str,
+        [title, lead, caption]: [&str; 3],
+        (columns, views): (usize, &[View]),
+        table: Table,
+    ) -> std::io::Result<Self> {
+        write_figure(&folder.join(format!("{slug}.svg")), &format!("{title}: {lead}\n{caption}"), columns, views)?;
+        let [slug, title, lead, caption] = [slug, title, lead, caption].map(str::to_owned);
+        Ok(Section { slug, title, lead, svg: svg("", columns, views)?, caption, table })
+    }
 }
 
 /// A heading for each column, and the rows.
-#[derive(Default)]
-pub(crate) struct Table {
-    pub(crate) columns: Vec<String>,
-    pub(crate) rows: Vec<Vec<String>>,
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    columns: Vec<String>,
+    /// As many cells as headings each.
+    pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    pub(crate) fn new<const K: usize>(columns: [&str; K]) -> Self {
+    /// Without rows.
+    pub fn new<const K: usize>(columns: [&str; K]) -> Self {
         Table { columns: columns.map(String::from).to_vec(), rows: Vec::new() }
     }
 
-    pub(crate) fn add<const K: usize>(&mut self, row: [String; K]) {
+    /// Adds a row.
+    pub fn add<const K: usize>(&mut self, row: [String; K]) {
         self.rows.push(row.to_vec());
     }
 
@@ -65,7 +89,7 @@ impl Table {
 }
 
 /// The whole page. The first column of the summary links to the sections, in their order.
-pub(crate) fn html(title: &str, lead: &str, summary: &Table, sections: &[Section]) -> String {
+pub fn html(title: &str, lead: &str, summary: &Table, sections: &[Section]) -> String {
     let mut summary = summary.html();
     for section in sections {
         let name = escaped(&section.title);
