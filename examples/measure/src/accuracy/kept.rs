@@ -4,7 +4,7 @@ use super::Text;
 use crate::campaign::statistics::{kept, quantile};
 use std::path::Path;
 use support::file::read_csv;
-use support::text::{headed, markdown, number};
+use support::text::{headed, markdown, short};
 
 /// The lines of a campaign's table, by the names of its columns.
 struct Kept {
@@ -75,7 +75,7 @@ pub(super) fn campaigns(_: bool) -> Text {
                 warned.to_string(),
                 format!("{} of {}", judged.iter().filter(|kept| **kept).count(), judged.len()),
                 format!("{low}, {middle}, {high}"),
-                number(quantile(found.iter().map(|line| of(line).0), 0.5)),
+                short(Some(quantile(found.iter().map(|line| of(line).0), 0.5))),
             ]);
         }
     }
