@@ -274,7 +274,7 @@ fn transients_are_followed_by_every_method() {
             assert!((a - b).abs() < 1e-4 + 4.0 * error, "{method} {name}: {a} and {b} ± {error}");
         }
     }
-    let still = run("simulation", &["--start", "x=1", "--envelope", "0:0,3:0"]);
+    let still = run("simulation", &["--start", "x=1", "--envelope", "0:0,2:0,3:1"]);
     // x = e^(−ct/2) (cos ω t + c/2ω sin ω t) at t = 1.
     let (omega, decay) = (0.9375_f64.sqrt(), (-0.25_f64).exp());
     let x = decay * (omega.cos() + 0.25 / omega * omega.sin());

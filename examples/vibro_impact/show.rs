@@ -78,8 +78,8 @@ pub(crate) fn draw(study: &Study, path: &Path) -> Result<(), Box<dyn std::error:
     }
     let mut caption = format!("{}; E[ξ(t)ξ(t+τ)] = 2D δ(τ). Iso-lines in units of the peak.", parameters(study.case));
     for answer in answers() {
-        let basis = answer.made.basis.as_ref().map_or_else(String::new, |basis| format!("{basis} "));
-        caption += &format!("\n{basis}{}.", origin(&answer.made));
+        let basis = answer.made.basis.as_ref().map_or_else(String::new, |basis| format!(", {basis} basis"));
+        caption += &format!("\n{}{basis}.", origin(&answer.made));
     }
     Ok(write_figure(path, &caption, 2, &views)?)
 }
