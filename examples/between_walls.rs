@@ -12,7 +12,7 @@ use clap::Parser;
 use expoly::models::{Duffing, Solved};
 use expoly::{Closure, Density, Problem, Simulation, Wall, statistics::Impacts};
 use std::path::PathBuf;
-use support::figure::{Panel, Scale, Style, View, between, clear, curve, values, write_figure};
+use support::figure::{Drawn, Panel, Scale, Style, View, beside, between, curve, values, write_figure};
 
 /// An oscillator between two walls, at several restitutions.
 #[derive(Clone, Debug, Parser)]
@@ -41,8 +41,7 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
         "      walls       r      E y^2: closure,           simulation     impacts at each    share of power   L1 estimate"
     );
     for ends in [[-0.8, 0.8], [-0.4, 1.2]] {
-        let (mut displacements, mut speeds) = (Vec::new(), Vec::new());
-        let places = between([ends[0] + 1e-3, ends[1] - 1e-3], 60);
+        let (mut solved, mut speeds) = (Vec::new(), Vec::new());
         for (colour, &r) in options.restitutions.iter().enumerate() {
             let walls = [Wall::above(ends[0], r)?, Wall::below(ends[1], r)?];
             let problem = walls.into_iter().try_fold(free.clone(), Problem::with_wall)?;
@@ -61,18 +60,19 @@ fn run(options: &Options) -> Result<(), Box<dyn std::error::Error>> {
                 format!("{:.5}", simulated.moment(&[2, 0])?),
                 density.l1_estimate(),
             );
-            let name = format!("r = {r}");
-            let line = values(&places, |y| density.marginal(0, y))?;
-            displacements.push(curve(&name, Style::Solid, colour, &line));
-            let sampled = clear(simulated.histogram(0)?, &between(ends, 12))?;
-            displacements.push(curve("", Style::Points, colour, &sampled));
             let fast = between([0.0, 3.0], 60);
-            let line = values(&fast, |w| low.speed_pdf(w))?;
-            speeds.push(curve(&name, Style::Solid, colour, &line));
+            speeds.push(curve(&format!("r = {r}"), Style::Solid, colour, &values(&fast, |w| low.speed_pdf(w))?));
+            solved.push((r, density, simulated));
         }
+        let drawn = solved.iter().enumerate().flat_map(|(colour, (r, closed, sampled))| -> [Drawn<'_>; 2] {
+            [(format!("r = {r}"), Style::Solid, colour, closed), (String::new(), Style::Points, colour, sampled)]
+        });
+        let inside = [ends[0] + 1e-3, ends[1] - 1e-3];
         let [low, high] = ends;
         let labels = [format!("displacement y [L], {low} ≤ y ≤ {high}"), String::from("density p(y) [1/L]")];
-        views.push(View::Curves(Panel::new(labels.each_ref().map(String::as_str), Scale::Linear, displacements)));
+        let labels = labels.each_ref().map(String::as_str);
+        let marginal = |density: &dyn Density, y| density.marginal(0, y);
+        views.push(View::Curves(beside(labels, Scale::Linear, (inside, 60), &drawn.collect::<Vec<_>>(), &marginal)?));
         let labels = ["speed of approach at the lower wall [L/T]", "density [T/L]"];
         views.push(View::Curves(Panel::new(labels, Scale::Linear, speeds)));
     }

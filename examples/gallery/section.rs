@@ -6,7 +6,7 @@ use expoly::{Closure, Density, Estimate, Simulation, compare};
 use support::figure::{ContourPanel, Drawn, Scale, Style, VISIBLE, View, above, beside, between};
 use support::models::Model;
 use support::page::{Section, Table};
-use support::text::{number, origin, shown};
+use support::text::{origin, short, shown};
 
 pub(crate) type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
@@ -49,7 +49,8 @@ pub(crate) fn of_model(plan: &Plan, model: &Model) -> Outcome<(Section, Vec<Stri
 
     let mut table = Table::new(["", "closure", known]);
     let mut row = |name: &str, of: &dyn Fn(&dyn Density) -> expoly::Result<Estimate>| -> Outcome<()> {
-        let text = |density| of(density).map(|estimate| format!("{:.6} ± {}", estimate.value, number(estimate.error)));
+        let text =
+            |density| of(density).map(|estimate| format!("{:.6} ± {}", estimate.value, short(Some(estimate.error))));
         table.add([name.to_owned(), text(&closed)?, text(truth)?].map(|cell| cell.replace("-", "−")));
         Ok(())
     };
@@ -75,8 +76,8 @@ pub(crate) fn of_model(plan: &Plan, model: &Model) -> Outcome<(Section, Vec<Stri
         problem.dimension().to_string(),
         shown(made.order),
         shown(made.unknowns),
-        number(closed.l1_estimate()),
-        format!("{} ± {}", number(distance.value), number(distance.error)),
+        short(Some(closed.l1_estimate())),
+        format!("{} ± {}", short(Some(distance.value)), short(Some(distance.error))),
         known.to_owned(),
     ];
     let texts = [about.title, about.equation, &caption];

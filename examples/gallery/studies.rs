@@ -8,7 +8,7 @@ use expoly::study::{Case, OrderStudy};
 use expoly::{Closure, Density, Problem};
 use support::figure::{Panel, Scale, Style, View, band, between, curve, orders::views};
 use support::page::{Section, Table};
-use support::text::{number, shown};
+use support::text::{short, shown};
 
 /// The L¹ error of both closures, and the robust one's own estimate, over the order.
 pub(crate) fn convergence(plan: &Plan) -> Outcome<Section> {
@@ -24,15 +24,14 @@ pub(crate) fn convergence(plan: &Plan) -> Outcome<Section> {
     let mut table = Table::new(["order n", "unknowns", error, estimate, closest, indicator, other]);
     let (robust, classical) = study.rows().split_at(orders.len());
     for (robust, classical) in robust.iter().zip(classical) {
-        let numbered = |value: Option<f64>| value.map_or_else(String::new, number);
         table.add([
             robust.order.to_string(),
             shown(robust.unknowns),
-            numbered(robust.l1),
-            numbered(robust.l1_estimate),
-            numbered(robust.closest),
-            numbered(robust.indicator),
-            classical.l1.map_or_else(|| shown(classical.termination.as_ref()), number),
+            short(robust.l1),
+            short(robust.l1_estimate),
+            short(robust.closest),
+            short(robust.indicator),
+            classical.l1.map_or_else(|| shown(classical.termination.as_ref()), |l1| short(Some(l1))),
         ]);
     }
     let truth = study.rows().first().map_or("", |row| &row.truth);
@@ -63,7 +62,7 @@ pub(crate) fn sweep(plan: &Plan) -> Outcome<Section> {
         }
         let places: Vec<String> = at.iter().map(|(x, _)| format!("{x:.3}").replace('-', "−")).collect();
         let alpha = format!("{alpha:.2}").replace('-', "−");
-        table.add([alpha, format!("{square:.5}"), places.join(", "), number(density.l1_estimate())]);
+        table.add([alpha, format!("{square:.5}"), places.join(", "), short(Some(density.l1_estimate()))]);
     }
     let panel = |ordinate, curves| {
         Panel::new(["linear damping α [1/T]", ordinate], Scale::Linear, curves).with_x_range([-1.05, 1.05])

@@ -34,7 +34,10 @@ impl Study {
         let mut answers = Vec::new();
         for (order, basis) in options.closures() {
             let robust = Closure::new(order).weight(options.weight).seed(options.seed);
-            let answer = Answer::closed(&problem, &robust, order, basis)?;
+            let answer = match basis {
+                Some(basis) => Answer::classical(&problem, order, basis)?,
+                None => Answer::robust(&problem, &robust, order)?,
+            };
             let own = values(&answer, None)?;
             answers.push((answer, own));
         }

@@ -2,7 +2,7 @@
 //!
 //! The steps of the method, each in its file:
 //!
-//! - `scheme`: the step of weak order 2, sixteen trajectories at a time;
+//! - `scheme`: the step of weak order 2, sixteen trajectories at a time, and drift, diffusion and powers at a state;
 //! - `boundaries`, `passage`: the straight drift between two kicks, with impacts and level crossings solved inside it, and what
 //!   is counted of these;
 //! - `impulses`: Poisson impulses at their times in these drifts;

@@ -2,23 +2,34 @@
 
 use crate::questions::{Place, Questions};
 use expoly::statistics::Marginal;
-use expoly::{Density, Estimate, Problem, Provenance, Sensitivity};
+use expoly::{Crossing, Density, Estimate, Problem, Provenance, Sensitivity};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A value and its error; null where a method has no answer.
-#[derive(Clone, Copy, Debug, Serialize)]
+/// A value and its error; null with the reason where a method has no answer.
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Value {
     value: Option<f64>,
     error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<String>,
 }
 
 impl From<expoly::Result<Estimate>> for Value {
     fn from(found: expoly::Result<Estimate>) -> Self {
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        let found = found.ok();
-        Value { value: found.and_then(|found| finite(found.value)), error: found.and_then(|found| finite(found.error)) }
+        match found {
+            Ok(found) => Value { value: finite(found.value), error: finite(found.error), reason: None },
+            Err(error) => Value { value: None, error: None, reason: Some(error.to_string()) },
+        }
+    }
+}
+
+impl Value {
+    /// With the reason why there is none.
+    pub(crate) fn text(&self) -> String {
+        self.reason.as_ref().map_or_else(|| self.to_string(), |reason| format!("- ({reason})"))
     }
 }
 
@@ -105,55 +116,66 @@ pub(crate) fn at_place(problem: &Problem, (state, at): Place, found: expoly::Res
     AtPlace { state: problem.states()[state].clone(), at, found: found.into() }
 }
 
+/// A function that has an answer at a place or not.
+type Door<'a, T> = &'a dyn Fn(T) -> expoly::Result<Estimate>;
+
 impl Values {
     /// Those of a density.
     pub(crate) fn of(density: &dyn Density, problem: &Problem, questions: &Questions) -> Self {
-        let moments = questions.moments.iter().map(|(name, powers)| (name.clone(), density.moment(powers).into()));
-        let at = |(state, x): &Place| at_place(problem, (*state, *x), density.marginal(*state, *x));
-        let above = |(state, level): &Place| {
-            let found = Marginal::new(density, *state).and_then(|marginal| marginal.exceedance(*level));
-            at_place(problem, (*state, *level), found)
-        };
-        let crossed = questions
-            .crossings
-            .iter()
-            .map(|crossing| at_place(problem, (crossing.displacement, crossing.level), density.flux(*crossing, 1)));
-        Values {
-            moments: moments.collect(),
-            pdf: questions.at.iter().map(|x| AtState { x: x.clone(), found: density.pdf(x).into() }).collect(),
-            marginal: questions.marginal.iter().map(at).collect(),
-            exceedance: questions.exceedance.iter().map(above).collect(),
-            crossing: crossed.collect(),
-            impact_rate: density.impact_rate().map(|rate| Ok(rate).into()),
-        }
+        let above = |(state, level): Place| Marginal::new(density, state)?.exceedance(level);
+        Values::by(
+            (problem, questions),
+            &|powers| density.moment(powers),
+            &|x| density.pdf(x),
+            [&|(state, x)| density.marginal(state, x), &above],
+            &|crossing| density.flux(crossing, 1),
+            density.impact_rate(),
+        )
     }
 
-    /// Their derivatives.
+    /// Their derivatives. Crossings are those of the first state.
     fn derived(by: &dyn Sensitivity, problem: &Problem, questions: &Questions) -> Self {
-        let moments = questions.moments.iter().map(|(name, powers)| (name.clone(), by.moment(powers).into()));
-        let at = |(state, x): &Place| at_place(problem, (*state, *x), by.marginal(*state, *x));
-        let above = |(state, level): &Place| at_place(problem, (*state, *level), by.exceedance(*state, *level));
-        let crossed = questions.crossings.iter().filter(|crossing| crossing.displacement == 0);
-        let crossed =
-            crossed.map(|crossing| at_place(problem, (0, crossing.level), by.upcrossing_rate(crossing.level)));
+        Values::by(
+            (problem, questions),
+            &|powers| by.moment(powers),
+            &|x| by.pdf(x),
+            [&|(state, x)| by.marginal(state, x), &|(state, level)| by.exceedance(state, level)],
+            &|crossing| by.upcrossing_rate(crossing.level),
+            by.impact_rate(),
+        )
+    }
+
+    fn by<'a>(
+        (problem, questions): (&Problem, &'a Questions),
+        moment: Door<'_, &'a [u32]>,
+        pdf: Door<'_, &'a [f64]>,
+        [marginal, exceedance]: [Door<'_, Place>; 2],
+        flux: Door<'_, Crossing>,
+        impact_rate: Option<Estimate>,
+    ) -> Self {
+        let at = |places: &[Place], door: Door<'_, Place>| {
+            places.iter().map(|place| at_place(problem, *place, door(*place))).collect()
+        };
+        let crossed = |crossing: &Crossing| at_place(problem, (crossing.displacement, crossing.level), flux(*crossing));
         Values {
-            moments: moments.collect(),
-            pdf: questions.at.iter().map(|x| AtState { x: x.clone(), found: by.pdf(x).into() }).collect(),
-            marginal: questions.marginal.iter().map(at).collect(),
-            exceedance: questions.exceedance.iter().map(above).collect(),
-            crossing: crossed.collect(),
-            impact_rate: by.impact_rate().map(|rate| Ok(rate).into()),
+            moments: questions.moments.iter().map(|(name, powers)| (name.clone(), moment(powers).into())).collect(),
+            pdf: questions.at.iter().map(|x| AtState { x: x.clone(), found: pdf(x).into() }).collect(),
+            marginal: at(&questions.marginal, marginal),
+            exceedance: at(&questions.exceedance, exceedance),
+            crossing: questions.crossings.iter().map(crossed).collect(),
+            impact_rate: impact_rate.map(|rate| Ok(rate).into()),
         }
     }
 
     /// All with their names.
     fn named(&self) -> Vec<(String, Value)> {
-        let moments = self.moments.iter().map(|(name, value)| (format!("E {name}"), *value));
-        let pdf = self.pdf.iter().map(|p| (format!("p({:?})", p.x), p.found));
-        let marginal = self.marginal.iter().map(|p| (format!("p_{}({})", p.state, p.at), p.found));
-        let exceedance = self.exceedance.iter().map(|p| (format!("P({} > {})", p.state, p.at), p.found));
-        let crossing = self.crossing.iter().map(|p| (format!("up-crossings of {} = {}", p.state, p.at), p.found));
-        let impacts = self.impact_rate.iter().map(|rate| (String::from("impacts per unit time"), *rate));
+        let moments = self.moments.iter().map(|(name, value)| (format!("E {name}"), value.clone()));
+        let pdf = self.pdf.iter().map(|p| (format!("p({:?})", p.x), p.found.clone()));
+        let marginal = self.marginal.iter().map(|p| (format!("p_{}({})", p.state, p.at), p.found.clone()));
+        let exceedance = self.exceedance.iter().map(|p| (format!("P({} > {})", p.state, p.at), p.found.clone()));
+        let crossing =
+            self.crossing.iter().map(|p| (format!("up-crossings of {} = {}", p.state, p.at), p.found.clone()));
+        let impacts = self.impact_rate.iter().map(|rate| (String::from("impacts per unit time"), rate.clone()));
         moments.chain(pdf).chain(marginal).chain(exceedance).chain(crossing).chain(impacts).collect()
     }
 }
@@ -233,7 +255,7 @@ impl fmt::Display for Answer {
         if let Some(warning) = &self.warning {
             writeln!(f, "warning: {warning}")?;
         }
-        self.named().into_iter().try_for_each(|(name, value)| write!(f, "\n{name:<30} {value}"))?;
+        self.named().into_iter().try_for_each(|(name, value)| write!(f, "\n{name:<30} {}", value.text()))?;
         self.beside.iter().try_for_each(|other| write!(f, "\n\nbeside it: {other}"))
     }
 }

@@ -5,8 +5,8 @@ use crate::answer::{Answer, at_place};
 use crate::questions::{Place, Questions};
 use clap::{Args, ValueEnum};
 use expoly::{
-    Closure, ClosureDensity, Crossing, Density, Error, Estimate, Grid, GridDensity, Problem, Progress, Provenance,
-    Reference, Simulation, Splitting,
+    Closure, ClosureDensity, Density, Error, Estimate, Grid, GridDensity, Problem, Progress, Provenance, Reference,
+    Simulation, Splitting,
 };
 use output::progress::{advance, bar, spinner};
 use std::ops::ControlFlow;
@@ -69,14 +69,17 @@ impl Task<'_> {
         if !self.by.is_empty() && !differentiates {
             return Err("--sensitivity: closure and grid have derivatives; take one of these".into());
         }
-        let other = self.questions.crossings.iter().find(|crossing| crossing.displacement != 0);
-        match (method, other) {
-            (Some(Method::Simulation), Some(Crossing { displacement, .. })) => {
-                let name = &self.problem.states()[*displacement];
-                Err(format!("--crossing: a simulation counts those of the first state, not of {name}").into())
-            }
-            _ => Ok(()),
+        let Some(other) = self.questions.crossings.iter().find(|crossing| crossing.displacement != 0) else {
+            return Ok(());
+        };
+        let name = &self.problem.states()[other.displacement];
+        if method == Some(Method::Simulation) {
+            return Err(format!("--crossing: a simulation counts those of the first state, not of {name}").into());
         }
+        if !self.by.is_empty() {
+            return Err(format!("--sensitivity: rates of the first state have derivatives, not those of {name}").into());
+        }
+        Ok(())
     }
 
     /// The answer of the method that serves: the closure where it is good, else the grid in one and two states, else the closure

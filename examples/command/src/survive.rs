@@ -4,7 +4,7 @@ use crate::answer::Value;
 use crate::methods::{Method, Numbers, Task, busy};
 use crate::questions::Asked;
 use crate::system::System;
-use crate::transient::From;
+use crate::transient::Initial;
 use crate::{Outcome, print};
 use clap::Args;
 use expoly::{Grid, Start};
@@ -22,7 +22,7 @@ pub(crate) struct Survive {
     #[arg(long, allow_hyphen_values = true)]
     above: Option<f64>,
     #[command(flatten)]
-    from: From,
+    initial: Initial,
     /// Times, rising, separated by commas
     #[arg(long, required = true, value_delimiter = ',')]
     times: Vec<f64>,
@@ -31,16 +31,13 @@ pub(crate) struct Survive {
     method: Option<Method>,
     #[command(flatten)]
     numbers: Numbers,
-    /// Error of each time step, and of the mesh in L¹, on a grid
-    #[arg(long, default_value_t = 1e-4)]
-    step_accuracy: f64,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
 /// P(T > t).
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 struct At {
     time: f64,
     #[serde(flatten)]
@@ -66,15 +63,15 @@ impl Survive {
             return Err("give the level that the first state stays --below, or --above, or both".into());
         }
         let within = [self.above.unwrap_or(f64::NEG_INFINITY), self.below.unwrap_or(f64::INFINITY)];
-        let (course, start) =
-            (self.from.course(problem, Start::Stationary)?, self.from.start(problem, Start::Stationary)?);
+        let start = self.initial.start(problem, Start::Stationary)?;
+        let course = self.initial.course(start.clone())?;
         let serves = problem.dimension() <= 2 && problem.impulses().is_empty();
         let usual = if serves { Method::Grid } else { Method::Simulation };
         let (method, found, rate, mean_time) = match self.method.unwrap_or(usual) {
             Method::Grid => busy("grid", || -> expoly::Result<_> {
                 let survival = Grid::new().accuracy(self.numbers.accuracy).solve(problem)?.survival(within)?;
-                let found = survival.probability(course, &self.times, self.step_accuracy)?;
-                let mean_time = self.from.is_steady().then(|| survival.mean_time(&start).into());
+                let found = survival.probability(course, &self.times, self.initial.step_accuracy)?;
+                let mean_time = self.initial.is_steady().then(|| survival.mean_time(&start).into());
                 Ok(("grid", found, Some(survival.rate().into()), mean_time))
             })?,
             Method::Simulation => {
@@ -97,11 +94,11 @@ impl Survived {
     fn text(&self) -> String {
         let mut text = format!("{}\n", self.method);
         for At { time, found } in &self.survival {
-            text += &format!("\n{:<30} {found}", format!("P(T > {time})"));
+            text += &format!("\n{:<30} {}", format!("P(T > {time})"), found.text());
         }
-        let more = [("rate of passages, later on", self.rate), ("mean time", self.mean_time)];
-        for (name, value) in more.into_iter().filter_map(|(name, value)| Some((name, value?))) {
-            text += &format!("\n{name:<30} {value}");
+        let more = [("rate of passages, later on", &self.rate), ("mean time", &self.mean_time)];
+        for (name, value) in more.into_iter().filter_map(|(name, value)| Some((name, value.as_ref()?))) {
+            text += &format!("\n{name:<30} {}", value.text());
         }
         text
     }

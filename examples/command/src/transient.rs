@@ -9,9 +9,9 @@ use clap::Args;
 use expoly::{Closure, Course, Density, Envelope, Gaussian, Grid, Problem, Start};
 use nalgebra::{DMatrix, DVector};
 
-/// Where a course starts, and how the noise rises and fades.
+/// Where a course starts, how the noise rises and fades, and how closely a grid follows it.
 #[derive(Clone, Debug, Args)]
-pub(crate) struct From {
+pub(crate) struct Initial {
     /// Where it starts: a state, such as x=1,v=0, others at 0; or stationary
     #[arg(long, allow_hyphen_values = true)]
     start: Option<String>,
@@ -21,14 +21,18 @@ pub(crate) struct From {
     /// What the noise is multiplied by, straight between points TIME:VALUE, such as 0:0,2:1,10:0
     #[arg(long)]
     envelope: Option<String>,
+    /// Error of each time step, and of the mesh in L¹, on a grid
+    #[arg(long, default_value_t = 1e-4)]
+    pub(crate) step_accuracy: f64,
 }
 
-impl From {
+impl Initial {
     /// Whether the noise stays as it stands.
     pub(crate) fn is_steady(&self) -> bool {
         self.envelope.is_none()
     }
 
+    /// The start, `usual` where none is given.
     pub(crate) fn start(&self, problem: &Problem, usual: Start) -> Outcome<Start> {
         let mean = match self.start.as_deref() {
             None if self.spread.is_none() => return Ok(usual),
@@ -48,8 +52,9 @@ impl From {
         Ok(Start::Gaussian(Gaussian { mean: DVector::from_vec(mean), covariance }))
     }
 
-    pub(crate) fn course(&self, problem: &Problem, usual: Start) -> Outcome<Course> {
-        let course = Course::from(self.start(problem, usual)?);
+    /// The course from a start under the envelope.
+    pub(crate) fn course(&self, start: Start) -> Outcome<Course> {
+        let course = Course::from(start);
         let Some(text) = &self.envelope else { return Ok(course) };
         let point = |point: &str| -> Outcome<(f64, f64)> {
             let (time, value) =
@@ -67,7 +72,7 @@ pub(crate) struct Follow {
     #[command(flatten)]
     system: System,
     #[command(flatten)]
-    from: From,
+    initial: Initial,
     /// Times after the start, rising, separated by commas
     #[arg(long, required = true, value_delimiter = ',')]
     times: Vec<f64>,
@@ -79,9 +84,6 @@ pub(crate) struct Follow {
     order: u32,
     #[command(flatten)]
     numbers: Numbers,
-    /// Error of each time step, and of the mesh in L¹, on a grid
-    #[arg(long, default_value_t = 1e-4)]
-    step_accuracy: f64,
     #[command(flatten)]
     asked: Asked,
 }
@@ -90,7 +92,8 @@ impl Follow {
     pub(crate) fn run(&self) -> Outcome {
         let problem = &self.system.one("a transient")?;
         let questions = self.asked.of(problem)?;
-        let (course, times) = (self.from.course(problem, Start::Point(vec![0.0; problem.dimension()]))?, &self.times);
+        let (rest, times) = (Start::Point(vec![0.0; problem.dimension()]), &self.times);
+        let course = self.initial.course(self.initial.start(problem, rest)?)?;
         let task = Task { problem, questions: &questions, numbers: &self.numbers, order: self.order, by: &[] };
         let usual =
             if problem.dimension() > 2 || !problem.impulses().is_empty() { Method::Closure } else { Method::Grid };
@@ -110,7 +113,7 @@ impl Follow {
             }
             Method::Grid => {
                 let grid = Grid::new().accuracy(self.numbers.accuracy);
-                let found = busy("grid", || grid.solve(problem)?.transient(course, times, self.step_accuracy))?;
+                let found = busy("grid", || grid.solve(problem)?.transient(course, times, self.initial.step_accuracy))?;
                 found.iter().map(|at| answer(at.time, &at.density, at.step_error)).collect()
             }
             Method::Simulation => {

@@ -1,7 +1,9 @@
 //! The answers of several methods to one problem, beside each other.
 
 use crate::figure::{Drawn, Style};
-use expoly::{Basis, Closure, Density, ExpPolynomial, Method, Polynomial, Problem, Provenance, Result, Termination};
+use expoly::{
+    Basis, Closure, Density, ExpPolynomial, Method, Polynomial, Problem, Provenance, Result, Solution, Termination,
+};
 use serde_json::{Map, Value, to_value};
 use std::time::Instant;
 
@@ -29,18 +31,35 @@ impl Answer {
         Answer { method, name: method.into(), density: Some(Box::new(density)), cut_off: None, made, upwards: None }
     }
 
-    /// A robust closure's, or a classical one's in a basis.
+    /// A robust closure's.
     ///
     /// # Errors
     /// Those of the closure, but for orders that have no density.
-    pub fn closed(problem: &Problem, robust: &Closure, order: u32, basis: Option<Basis>) -> Result<Self> {
+    pub fn robust(problem: &Problem, closure: &Closure, order: u32) -> Result<Self> {
         let begin = Instant::now();
-        let solution = basis.map(|basis| Closure::classical(order).basis(basis).solve(problem)).transpose()?;
-        let found = match &solution {
-            Some(solution) => solution.density().map(|density| Box::new(density) as Box<dyn Density>),
-            None => robust.density(problem),
-        };
-        let mut made = solution.as_ref().map_or_else(Provenance::default, |found| found.provenance().clone());
+        let found = closure.density(problem);
+        Answer::closed("robust", format!("robust n = {order}"), (order, begin), found, None)
+    }
+
+    /// The classical closure's in a basis.
+    ///
+    /// # Errors
+    /// Those of the closure, but for orders that have no density.
+    pub fn classical(problem: &Problem, order: u32, basis: Basis) -> Result<Self> {
+        let begin = Instant::now();
+        let solution = Closure::classical(order).basis(basis).solve(problem)?;
+        let found = solution.density().map(|density| -> Box<dyn Density> { Box::new(density) });
+        Answer::closed("classical", format!("{basis} n = {order}"), (order, begin), found, Some(&solution))
+    }
+
+    fn closed(
+        method: &'static str,
+        name: String,
+        (order, begin): (u32, Instant),
+        found: Result<Box<dyn Density>>,
+        solution: Option<&Solution>,
+    ) -> Result<Self> {
+        let mut made = solution.map_or_else(Provenance::default, |solution| solution.provenance().clone());
         let density = match found {
             Ok(density) => Some(density),
             Err(error) if error.is_without_density() => {
@@ -51,10 +70,8 @@ impl Answer {
         };
         made = density.as_ref().map_or(made, |density| density.provenance().clone());
         (made.order, made.seconds) = (Some(order), begin.elapsed().as_secs_f64());
-        let method = if basis.is_some() { "classical" } else { "robust" };
-        let name = format!("{} n = {order}", basis.map_or_else(|| String::from(method), |basis| basis.to_string()));
         let upwards = solution.filter(|solution| solution.termination() == Termination::NotNormalisable);
-        let upwards = upwards.map(|solution| solution.log_polynomial());
+        let upwards = upwards.map(Solution::log_polynomial);
         Ok(Answer { method, name, density, cut_off: None, made, upwards })
     }
 

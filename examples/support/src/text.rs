@@ -12,11 +12,6 @@ pub fn short(known: Option<f64>) -> String {
     shown(known.map(|value| format!("{value:.1e}")))
 }
 
-/// A number in two digits and a power of ten, with a proper minus sign.
-pub fn number(value: f64) -> String {
-    if value == 0.0 { String::from("0") } else { format!("{value:.1e}").replace('-', "−") }
-}
-
 /// A table of one row, the headings.
 pub fn headed<const K: usize>(names: [&str; K]) -> Vec<Vec<String>> {
     vec![names.map(String::from).to_vec()]
