@@ -5,7 +5,7 @@ use num_traits::{One, Zero};
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The ring that a polynomial drift is written in.
+/// The number of a drift that is written once: a real one, a dual one, or a symbol.
 ///
 /// A drift that is generic over `Scalar` runs, unchanged, on
 ///

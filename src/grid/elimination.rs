@@ -4,9 +4,6 @@
 //! faces is left. The dissection of the mesh is a tree of fronts: the matrix of each is the sum of what its halves leave, its own
 //! faces are eliminated, and what it leaves goes to the front above. Pivots are chosen among a front's own rows, so that factors fill
 //! where coupled faces do, whatever the pivots. That is safe here: probability gets out of every piece in the end.
-//!
-//! No probability is lost within a piece, so that the columns of what it leaves sum to zero. Rounding breaks that by 1e-12, which
-//! would decide how much is in each of two wells that exchange as little: the sums are restored.
 
 use super::dissection::{Front, Parts};
 use super::forms::Matrices;
@@ -18,10 +15,8 @@ const TASK: usize = 16;
 
 /// The linear system of a mesh: what it takes from each cell.
 pub(super) trait Cells: Sync {
-    /// The matrices of a cell, and whether probability neither gets lost in it nor comes from nowhere.
-    fn matrices(&self, cell: usize) -> (Matrices, bool);
-    /// The weight of the rate at which probability passes a face in that of its first function: √length.
-    fn weight(&self, face: usize) -> f64;
+    /// The matrices of a cell.
+    fn matrices(&self, cell: usize) -> Matrices;
     /// Unknowns at a face.
     fn face(&self) -> usize;
 }
@@ -31,12 +26,6 @@ pub(super) trait Cells: Sync {
 pub(super) struct Factored {
     parts: Vec<Factored>,
     panel: Panel,
-}
-
-/// What a front leaves to its boundary, and whether its columns sum to zero.
-struct Left {
-    matrix: Mat<f64>,
-    closed: bool,
 }
 
 impl Factored {
@@ -106,40 +95,33 @@ fn scatter(faces: &[usize], size: usize, values: &[f64], x: &mut [f64]) {
 }
 
 /// The factors of a front and of all below it, and what it leaves to its boundary.
-fn factored(front: &Front, cells: &impl Cells) -> (Factored, Left) {
+fn factored(front: &Front, cells: &impl Cells) -> (Factored, Mat<f64>) {
     let size = cells.face();
-    let (parts, panel, mut left) = match &front.parts {
-        Parts::Cell(cell) => condensed(*cell, front, cells),
-        Parts::Halves(parts) => {
-            let below = |k: usize| factored(&parts[k].0, cells);
-            let [first, second] =
-                if front.cells > TASK { rayon::join(|| below(0), || below(1)).into() } else { [below(0), below(1)] };
-            let (own, boundary) = (front.own.len() * size, front.boundary.len() * size);
-            let zeros = |rows: usize, columns: usize| Mat::zeros(rows, columns);
-            let mut sum = FrontMatrix {
-                size,
-                own: front.own.len(),
-                lower: zeros(own + boundary, own),
-                upper: zeros(own, boundary),
-                following: zeros(boundary, boundary),
-            };
-            let closed = first.1.closed && second.1.closed;
-            sum.add(&parts[0].1, first.1.matrix);
-            sum.add(&parts[1].1, second.1.matrix);
-            let panel = Panel::new(sum.lower, sum.upper, &mut sum.following);
-            (vec![first.0, second.0], panel, Left { matrix: sum.following, closed })
-        }
+    let parts = match &front.parts {
+        Parts::Cell(cell) => return condensed(*cell, front, cells),
+        Parts::Halves(parts) => parts,
     };
-    if left.closed {
-        let weights: Vec<f64> = front.boundary.iter().map(|face| cells.weight(*face)).collect();
-        restore(&mut left.matrix, &weights, size);
-    }
-    (Factored { parts, panel }, left)
+    let below = |k: usize| factored(&parts[k].0, cells);
+    let [first, second] =
+        if front.cells > TASK { rayon::join(|| below(0), || below(1)).into() } else { [below(0), below(1)] };
+    let (own, boundary) = (front.own.len() * size, front.boundary.len() * size);
+    let zeros = |rows: usize, columns: usize| Mat::zeros(rows, columns);
+    let mut sum = FrontMatrix {
+        size,
+        own: front.own.len(),
+        lower: zeros(own + boundary, own),
+        upper: zeros(own, boundary),
+        following: zeros(boundary, boundary),
+    };
+    sum.add(&parts[0].1, first.1);
+    sum.add(&parts[1].1, second.1);
+    let panel = Panel::new(sum.lower, sum.upper, &mut sum.following);
+    (Factored { parts: vec![first.0, second.0], panel }, sum.following)
 }
 
 /// The factors of a cell's own unknowns, and what they leave to its faces.
-fn condensed(cell: usize, front: &Front, cells: &impl Cells) -> (Vec<Factored>, Panel, Left) {
-    let (Matrices { inner, inflow, outflow, faces }, closed) = cells.matrices(cell);
+fn condensed(cell: usize, front: &Front, cells: &impl Cells) -> (Factored, Mat<f64>) {
+    let Matrices { inner, inflow, outflow, faces } = cells.matrices(cell);
     let (block, size) = (inner.nrows(), cells.face());
     let all = outflow.nrows();
     let mut lower = Mat::zeros(block + all, block);
@@ -151,19 +133,7 @@ fn condensed(cell: usize, front: &Front, cells: &impl Cells) -> (Vec<Factored>, 
     }
     debug_assert_eq!(all, front.boundary.len() * size);
     let panel = Panel::new(lower, inflow, &mut following);
-    (Vec::new(), panel, Left { matrix: following, closed })
-}
-
-/// Takes from each column what its sum is off zero, in proportion to the weights: w S = 0 with w the weights at the first functions
-/// of the faces.
-fn restore(matrix: &mut Mat<f64>, weights: &[f64], size: usize) {
-    let square: f64 = weights.iter().map(|w| w * w).sum();
-    for j in 0..matrix.ncols() {
-        let column = matrix.col_as_slice_mut(j);
-        let firsts = || (0..weights.len()).map(|face| face * size);
-        let sum: f64 = firsts().zip(weights).map(|(at, w)| w * column[at]).sum();
-        firsts().zip(weights).for_each(|(at, w)| column[at] -= sum * w / square);
-    }
+    (Factored { parts: Vec::new(), panel }, following)
 }
 
 /// The matrix of a front, the own faces first: F₁₁ with F₂₁ below it, F₁₂ and F₂₂.

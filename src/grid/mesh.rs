@@ -63,8 +63,6 @@ pub(super) struct Mesh {
     pub(super) segments: Vec<Vec<Segment>>,
     /// The two cells of each face.
     pub(super) faces: Vec<[usize; 2]>,
-    /// √length of each face: the coefficient of the constant function 1 in its first function.
-    root_lengths: Vec<f64>,
 }
 
 impl Mesh {
@@ -75,17 +73,7 @@ impl Mesh {
         let mut numbers = vec![0; leaves.last().map_or(0, |leaf| leaf + 1)];
         leaves.iter().enumerate().for_each(|(cell, leaf)| numbers[*leaf] = cell);
         let segments = vec![Vec::new(); cells.len()];
-        let mut mesh = Mesh {
-            origin,
-            sides,
-            leaves,
-            numbers,
-            cells,
-            segments,
-            faces: Vec::new(),
-            root_lengths: Vec::new(),
-            tree: tree.clone(),
-        };
+        let mut mesh = Mesh { origin, sides, leaves, numbers, cells, segments, faces: Vec::new(), tree: tree.clone() };
         tree.for_each_face(|axis, low, high| {
             let [low, high] = [low, high].map(|leaf| mesh.numbers[leaf]);
             let mut extent = mesh.cells[low];
@@ -129,8 +117,6 @@ impl Mesh {
     fn join(&mut self, axis: usize, extent: MeshCell, sides: [(usize, bool, Role); 2]) {
         let face = Some(self.faces.len());
         self.faces.push(sides.map(|(cell, ..)| cell));
-        let length: f64 = (0..MOST).filter(|along| *along != axis).map(|along| extent.width[along]).product();
-        self.root_lengths.push(length.sqrt());
         for (cell, upper, role) in sides {
             self.segments[cell].push(Segment { axis, upper, role, face, extent });
         }
@@ -198,10 +184,6 @@ impl Mesh {
     pub(super) fn locate(&self, x: &[f64]) -> Option<usize> {
         let u: Vec<f64> = x.iter().zip(&self.origin).map(|(x, origin)| x - origin).collect();
         self.tree.locate(&u).map(|leaf| self.numbers[leaf])
-    }
-
-    pub(super) fn root_length(&self, face: usize) -> f64 {
-        self.root_lengths[face]
     }
 
     /// The cells that a state's place goes through; of two that meet there the upper one.

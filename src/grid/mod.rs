@@ -168,10 +168,9 @@ impl Grid {
         Grid { domain: Some(domain.into_iter().collect()), ..self }
     }
 
-    /// The memory that matrices and factors may take, 8 GiB by default. They are estimated before they are allocated: a thousand
-    /// cells of degree 8 take a quarter of a gibibyte. All solutions on the way to the last mesh together take eight times the limit at
-    /// most, which bounds the work. Where it ends before the accuracy is reached, the density has what was
-    /// reached as its estimate, and a warning.
+    /// The memory that matrices and factors may take, 8 GiB by default, estimated before they are allocated: a thousand cells of degree 8 take a
+    /// quarter of a gibibyte. All solutions on the way to the last mesh take eight times the limit at most; where it ends before the accuracy is
+    /// reached, the density has what was reached as its estimate, and a warning.
     pub fn memory_limit(self, gibibytes: f64) -> Self {
         Grid { memory: MemoryLimit::gibibytes(gibibytes), ..self }
     }

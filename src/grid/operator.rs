@@ -6,7 +6,7 @@ use super::elimination::{Cells, Factored};
 use super::field::{GridField, add_multiple};
 use super::flux::Part;
 use super::forms::{Forms, Matrices};
-use super::mesh::{Mesh, Role};
+use super::mesh::Mesh;
 use super::shape::Shape;
 use crate::error::Result;
 use crate::grid::singular;
@@ -217,23 +217,18 @@ struct Regularised<'a> {
 }
 
 impl Cells for Regularised<'_> {
-    fn matrices(&self, cell: usize) -> (Matrices, bool) {
+    fn matrices(&self, cell: usize) -> Matrices {
         let mut matrices = self.operator.cells[cell].clone();
         if let Some((factor, part)) = self.more {
             matrices.add(factor, &part.cells[cell]);
         }
-        let mut closed =
-            self.operator.layout.mesh.segments[cell].iter().all(|s| !matches!(s.role, Role::Open | Role::Level));
-        closed = closed && self.operator.layout.mesh.segments[cell].iter().all(|s| s.face.is_some());
         match self.regular {
             Regular::Shift(shift) => {
                 (0..matrices.inner.nrows()).for_each(|k| matrices.inner[(k, k)] += shift);
-                closed = closed && shift == 0.0;
             }
             Regular::Pins(pins) => {
                 for (_, alpha) in pins.iter().filter(|(pinned, _)| *pinned == cell) {
                     matrices.inner[(0, 0)] += alpha;
-                    closed = false;
                 }
             }
         }
@@ -242,11 +237,7 @@ impl Cells for Regularised<'_> {
             debug_assert_eq!(at % size, 0);
             *block = Mat::identity(size, size);
         }
-        (matrices, closed)
-    }
-
-    fn weight(&self, face: usize) -> f64 {
-        self.operator.layout.mesh.root_length(face)
+        matrices
     }
 
     fn face(&self) -> usize {

@@ -1,6 +1,6 @@
 //! First passages: the part of a density that has passed no level.
 
-use super::density::GridDensity;
+use super::density::{GridDensity, estimate};
 use super::evolution::{Evolution, EvolutionPlan};
 use super::field::GridField;
 use super::flux::Part;
@@ -183,9 +183,9 @@ impl Survival {
         let at = |time: &f64| {
             // A point has passed nothing before it has a density.
             evolution.advance(*time)?;
-            let [fine, coarse] = evolution.fields.each_ref().map(GridField::mass);
-            let error = (fine - coarse).abs() + evolution.moved + evolution.unresolved();
-            Ok(Estimate::new(fine, error + initial.error + self.leak() * time))
+            let left = estimate(evolution.fields.each_ref(), &[], GridField::mass);
+            let error = left.error + evolution.moved + evolution.unresolved();
+            Ok(Estimate::new(left.value, error + initial.error + self.leak() * time))
         };
         times.iter().map(at).collect()
     }

@@ -120,40 +120,23 @@ impl<'a> Simulation<'a> {
         Simulation { samples, ..self }
     }
 
-    /// The time step h, in the system's unit of time. By default the library chooses it, and
-    /// [`Provenance`](crate::Provenance) has it: h = 0.04/ω (0.03/ω beside a wall with r < 1), rounded down to two digits,
-    /// with
-    ///
-    /// ω² = E[(ρ(∂f/∂x) + |∂G/∂x|²)²] + (πν)²,
-    ///
-    /// from a few trajectories ahead of all others: ρ is the spectral radius, by dual numbers, and ν the impacts per unit
-    /// time. It is shorter where some state is more than six times faster, and at most a twentieth of the sampling interval
-    /// and 1/640 of the burn-in. The choice costs a thousandth of a second.
-    ///
-    /// Stationary means are off by O(h²), which standard errors do not include: E v² of a Duffing oscillator with c = D = 0.5 by
-    /// 0.4 h², 0.04 % at the chosen step; beside walls, with c = D = 0.2, by up to 1.8 % at h = 0.14, and impact rates by a tenth
-    /// of that. Calibrated moments are free of that bias ([`Simulation::control_variates`]). An elastic wall does not cost the
-    /// splitting its second order: the impact is inside the straight drift and falls at any instant of a step. For r < 1 slow
-    /// impacts break that rule; there trajectories take shorter steps by themselves. `expoly-measure time-step` prints all of this.
+    /// The time step h, in the system's unit of time; by default [chosen](crate::guide::method#the-simulation) from a few trajectories, and
+    /// in the [`Provenance`](crate::Provenance). Stationary means are off by O(h²), which standard errors do not include, but calibrated moments
+    /// are not ([`Simulation::control_variates`]).
     pub fn time_step(self, time_step: f64) -> Self {
         Simulation { time_step: Some(time_step), ..self }
     }
 
-    /// The time that each trajectory runs before its first sample, rounded up to a multiple of 64 steps; by default it follows
-    /// from the system's rates, and [`Provenance`](crate::Provenance) has it.
-    ///
-    /// The default is 5/λ with the slowest decay λ of the system linearised about its Gaussian closure, between 60/ω and 2000/ω
-    /// with ω as below, rounded down to two digits: 10/c for a weakly damped oscillator, in whose energy the effect of the
-    /// start has then fallen to e⁻¹⁰. No choice is safe for every system: exchange between wells is slower than relaxation
-    /// within each. A result that was not stationary has a warning
-    /// ([`SimulatedDensity::stationarity`](crate::SimulatedDensity::stationarity)).
+    /// The time that each trajectory runs before its first sample, rounded up to a multiple of 64 steps; by default it
+    /// [follows](crate::guide::method#the-simulation) from the system's rates, and [`Provenance`](crate::Provenance) has it. Where it was too
+    /// short there is a warning ([`SimulatedDensity::stationarity`](crate::SimulatedDensity::stationarity)).
     pub fn burn_in(self, burn_in: f64) -> Self {
         Simulation { burn_in: Some(burn_in), ..self }
     }
 
-    /// The time between two samples of a trajectory, rounded to whole steps; 3/ω by default, rounded down to two digits, with a
-    /// bound ω on the moduli of the Jacobian's eigenvalues up to two standard deviations of the Gaussian closure from its mean.
-    /// Samples closer than the relaxation time are correlated; they then add little, but standard errors remain right.
+    /// The time between two samples of a trajectory, rounded to whole steps; 3/ω by default, with the system's
+    /// [fastest rate](crate::guide::method#the-simulation) ω, rounded down to two digits. Samples closer than the relaxation time are
+    /// correlated; they then add little, but standard errors remain right.
     pub fn sampling_interval(self, sampling_interval: f64) -> Self {
         Simulation { sampling_interval: Some(sampling_interval), ..self }
     }
@@ -163,44 +146,14 @@ impl<'a> Simulation<'a> {
         Simulation { seed, ..self }
     }
 
-    /// Whether moments and rates are calibrated by control variates; by default they are.
-    ///
-    /// In the stationary state E\[𝓖ψ\] = 0 for every polynomial ψ, with the generator 𝓖 = f·∇ + ½ B:∇∇. The mean of 𝓖ψ
-    /// over the samples is therefore known to be chance, or the bias of the time step, and the part of a mean that is
-    /// correlated with it is taken off:
-    ///
-    /// E h = h̄ − β · mean(𝓖ψ), β = Cov(𝓖ψ)⁻¹ Cov(𝓖ψ, h) over blocks of consecutive samples.
-    ///
-    /// Above a wall an impact changes ψ as well, and the quantity with mean zero is 𝓖ψ + Σ (ψ₊ − ψ₋)/Δ, with the impacts
-    /// between one sample and the next and the time Δ between the two.
-    ///
-    /// ψ are all polynomials up to degree 2, 4 or 6 that the system's symmetries keep, at most 25 for each state; the
-    /// degree is that which leaves the smallest errors
-    /// ([`Provenance::calibration_degree`](crate::Provenance::calibration_degree)), of those m with 30 blocks for each
-    /// ψ and 4^m blocks in either half of the batches. β comes from one half and is applied to the other, so that
-    /// standard errors stay those of the spread between batches.
-    ///
-    /// Calibrated are [`Density::moment`](crate::Density::moment), mean, variance, skewness, kurtosis and every other
-    /// function of the tracked moments; rates of impacts and of up-crossings, and the moments of their speeds. Histograms,
-    /// probabilities, spectra and first passages are plain, and so are moments that a symmetry makes zero.
-    ///
-    /// Measured with a million samples, standard errors of E x_i² and E x_i⁴ fell by a factor of 30 to 40 for Duffing's
-    /// oscillator, 29 to 390 above walls with r = 0.9 and 1, 11 to 97 with r = 0.7, 38 and more with the noise behind a filter, 4
-    /// to 20 for two masses with noise on one, 12 to 15 and more for a nonlinear energy sink; that of an impact rate fell by 2. E v²
-    /// = D/c is exact. For h = 0.3, where plain moments of Duffing's oscillator are off by 1 to 7 %, calibrated ones were off by
-    /// 0.02 % at most, about two standard errors. Errors were right: over 300 seeds of five systems with known densities
-    /// (estimate − truth)/error had a root mean square of 0.97 to 1.14, where 1 ± 0.04 is chance; that of plain means was
-    /// 0.96 to 1.11. `expoly-measure calibration` prints all of this, with `--repeats 300`. A run takes 5 to 33 % more time.
+    /// Whether moments and rates are [calibrated](crate::guide::method#the-simulation) by control variates; by default they are. Means of the
+    /// generator, which are known to vanish, take off the part of a mean that is correlated with them: with a million samples that divides
+    /// standard errors of moments by 4 to 400, and takes the bias of the time step with it (`expoly-measure calibration`).
     ///
     /// # Limits
-    /// ψ must have a mean: where the density falls like a power, high degrees have none. The degree from which on the equations ask
-    /// for moments of no density is left out with all above it; [`Provenance::warning`](crate::Provenance::warning) names it, and
-    /// the errors of moments contain what it would have changed. For a van der Pol oscillator with noise on the displacement, whose
-    /// density falls as x⁻⁴, degree 6 would move E v² from 0.093 to 0.055 (0.091).
-    ///
-    /// # Reference
-    /// A. Mira, R. Solgi and D. Imparato, Zero variance Markov chain Monte Carlo for Bayesian estimators, Statistics
-    /// and Computing 23 (2013) 653-662, doi:10.1007/s11222-012-9344-6.
+    /// The generator's functions must have a mean: where the density falls like a power, high degrees have none. The degree from which on the
+    /// equations ask for moments of no density is left out with all above it; [`Provenance::warning`](crate::Provenance::warning) names it, and
+    /// the errors of moments contain what it would have changed.
     ///
     /// ```
     /// use expoly::{Density, Simulation, models::{Duffing, Solved}};
@@ -238,9 +191,8 @@ impl<'a> Simulation<'a> {
         self
     }
 
-    /// The number of bins of each state's histogram, 128 by default. The joint histogram of states 0 and 1 has half as
-    /// many along each, but at least 3. They cover the range of a pilot of 64 trajectories in the second half of its own burn-in,
-    /// at least four standard deviations to either side, widened by a quarter at both ends; at a wall they begin exactly there.
+    /// The number of bins of each state's histogram, 128 by default; a joint histogram has half as many along each state, but at least 3. They
+    /// cover what a pilot has reached, at least four standard deviations to either side, and begin exactly at a wall.
     pub fn bins(self, bins: usize) -> Self {
         Simulation { bins, ..self }
     }
@@ -283,23 +235,18 @@ impl<'a> Simulation<'a> {
         self
     }
 
-    /// Ends the run after the round, some hundredths of a second, in which so much wall-clock time is over: the choice of the
-    /// time step and the pilot count. The number of samples then depends on the machine; the result is, bit for bit, that of
-    /// a run of that many samples. What has not come to an end after the budget, or after a second if that is more, is given
-    /// up: a pilot, or a round of long sampling intervals.
+    /// Ends the run after the round, some hundredths of a second, in which so much wall-clock time is over, the choice of the time step and the
+    /// pilot included. The number of samples then depends on the machine; the result is, bit for bit, that of a run of that many samples.
     pub fn time_budget(self, budget: Duration) -> Self {
         Simulation { time_budget: Some(budget), ..self }
     }
 
-    /// Keeps the state of the run in a file, written whole or not at all: between rounds whenever the time `every` has
-    /// passed, and when the run ends, is cancelled, or is out of time.
+    /// Keeps the state of the run in a file, written whole or not at all, whenever the time `every` has passed and at the end, and goes on from
+    /// it where it is already there: the same call begins, continues and, once the run is over, returns the result again.
     ///
-    /// If the file is already there, the run goes on from it, however it was interrupted: the same call begins,
-    /// continues and, once the run is over, returns the result again. That is safe because the result does not depend
-    /// on interruptions. More samples, a narrower tolerance or another time budget continue a run that was over; any
-    /// other change of the problem or the options is refused. The file takes about 40 kB for each of the 64 batches, 60
-    /// kB in four states, and some hundred bytes for each trajectory, more with [`Simulation::spectrum`]. It also holds
-    /// the result: see [`SimulatedDensity::from_checkpoint`].
+    /// More samples, a narrower tolerance or another time budget continue a run that was over; any other change of the problem or the options
+    /// is refused. The file takes about 40 kB for each of the 64 batches and some hundred bytes for each trajectory, and also holds the result
+    /// ([`SimulatedDensity::from_checkpoint`]).
     pub fn checkpoint(self, path: impl Into<PathBuf>, every: Duration) -> Self {
         Simulation { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }
     }

@@ -16,11 +16,9 @@ const LEAVING: f64 = 3.0;
 const LONGEST_LEAVING: f64 = 20_000.0;
 
 impl Simulation<'_> {
-    /// Where trajectories start: a point, or points drawn from a normal distribution, reflected at walls. By default, as with
-    /// [`Start::Stationary`](crate::Start), they start near 0, or near the wall if that stands above 0, each with a Gaussian
-    /// spread: the deviation that the noise at 0 makes within four steps, or 0.1 where it vanishes there; the burn-in leads on
-    /// from there. Where they would take too long to leave, as the top between wells under heavy damping, the spread is that of the
-    /// Gaussian closure. Other densities are refused.
+    /// Where trajectories start: a point, or points drawn from a normal distribution, reflected at walls; other densities are refused. By default
+    /// they start near 0, or near the wall if that stands above 0, as far apart as the noise makes them within four steps, and the burn-in leads
+    /// on from there; from a top that they would leave too late, with the spread of the Gaussian closure.
     pub fn start(self, start: impl Into<Start>) -> Self {
         Simulation { start: start.into(), ..self }
     }

@@ -63,14 +63,9 @@ fn one_state_starts_from_a_point() {
 fn densities_spread_as_on_a_grid() {
     let [start, rest] = [&normal([1.0, 0.0], 0.2), &normal([0.0, 0.0], 0.2)];
     let cases = [
-        (problem(duffing()), start, [[-3.9, 3.9], [-6.2, 6.2]], vec![(2.0, 1.0e-3), (4.0, 4.7e-3), (8.0, 1.4e-2)]),
-        (
-            two_wells(),
-            start,
-            [[-2.9, 2.9], [-5.0, 5.0]],
-            vec![(0.5, 1.2e-4), (1.0, 4.9e-4), (2.0, 2.9e-2), (4.0, 6.5e-2), (8.0, 9.9e-3)],
-        ),
-        (van_der_pol(), rest, [[-5.0, 5.0], [-6.5, 6.5]], vec![(2.0, 1.2e-3), (4.0, 2.0e-2)]),
+        (problem(duffing()), start, [[-3.9, 3.9], [-6.2, 6.2]], vec![(2.0, 1.0e-3), (4.0, 4.7e-3)]),
+        (two_wells(), start, [[-2.9, 2.9], [-5.0, 5.0]], vec![(0.5, 1.2e-4), (1.0, 4.9e-4), (2.0, 2.9e-2)]),
+        (van_der_pol(), rest, [[-5.0, 5.0], [-6.5, 6.5]], vec![(2.0, 1.2e-3)]),
     ];
     // The early densities of the second case are narrow for a mesh.
     for ((problem, start, domain, best), accuracy) in cases.into_iter().zip([1e-5, 1e-6, 1e-5]) {
@@ -196,7 +191,7 @@ fn questions_of_time_without_a_meaning_are_refused() {
     let saved: ClosureDensity = serde_json::from_str(&serde_json::to_string(&density).unwrap()).unwrap();
     assert!(matches!(saved.relaxation(2), Err(Error::NotKnown { .. })));
     // So does that of a time, and it is the same to the bit.
-    let moving = Closure::new(4).transient(&oscillator, &wide, &[2.0]).unwrap().remove(0).density;
+    let moving = Closure::new(4).transient(&oscillator, &wide, &[0.5]).unwrap().remove(0).density;
     let saved: ClosureDensity = serde_json::from_str(&serde_json::to_string(&moving).unwrap()).unwrap();
     assert_eq!(saved.pdf(&[0.3, 0.1]).unwrap(), moving.pdf(&[0.3, 0.1]).unwrap());
 }

@@ -129,7 +129,7 @@ v = "sqrt(2*D)"
 fn derivatives_without_a_closed_form_have_their_estimated_errors() -> Result<()> {
     let problem = Problem::from_toml(CUBIC)?;
     let densities = [4, 6, 8].map(|order| Closure::new(order).solve(&problem).unwrap());
-    for name in ["e", "D", "mu"] {
+    for name in ["e", "D"] {
         let h = 0.015;
         let grids = [-2.0, -1.0, 1.0, 2.0].map(|k| {
             let moved = problem.with_parameter(name, 0.3 + k * h).unwrap();

@@ -90,6 +90,15 @@ pub(crate) fn l1_from(truth: &GridDensity, density: &dyn Density) -> f64 {
     truth.expectation(&relative).unwrap().value
 }
 
+/// ∫ |p̃ − p| dx over the closure's own draws, for p up to a constant.
+pub(crate) fn l1_over_draws(log_truth: impl Fn(&[f64]) -> f64, density: &ClosureDensity) -> f64 {
+    let (states, weights) = density.evidence().weighted_states().unwrap();
+    let ratios: Vec<f64> = states.iter().map(|x| log_truth(x) - density.log_pdf(x).unwrap()).collect();
+    let total: f64 = weights.iter().sum();
+    let mean = ratios.iter().zip(&weights).map(|(ratio, w)| w * ratio).sum::<f64>() / total;
+    ratios.iter().zip(&weights).map(|(ratio, w)| w * ((ratio - mean).exp() - 1.0).abs()).sum::<f64>() / total
+}
+
 /// The closure of a named problem.
 pub(crate) fn closed(name: &'static str, problem: &Problem, order: u32, seed: u64) -> Arc<ClosureDensity> {
     static SOLVED: Shared<(&str, u32, u64), ClosureDensity> = Shared::new();

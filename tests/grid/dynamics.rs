@@ -106,15 +106,15 @@ fn the_gaussian_of_a_point_is_off_by_less_than_is_estimated() {
     }
 }
 
-/// Duffing's oscillator from rest at x = 1 against 200 000 trajectories at three times, within four standard errors.
+/// Duffing's oscillator from rest at x = 1 against 200 000 trajectories at two times, within four standard errors.
 #[test]
 fn a_point_start_agrees_with_a_simulation() {
     const PATHS: usize = 200_000;
     const STEP: f64 = 0.032;
-    let times = [0.8, 1.6, 3.2];
+    let times = [0.8, 1.6];
     let densities = duffing().transient(Start::Point(vec![1.0, 0.0]), &times, 5e-5).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(2);
-    let mut sums = [[0.0; 10]; 3];
+    let mut sums = [[0.0; 10]; 2];
     let kick = (2.0 * 0.2 * STEP).sqrt();
     for _ in 0..PATHS {
         let (mut x, mut v) = (1.0_f64, 0.0_f64);

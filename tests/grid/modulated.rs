@@ -24,23 +24,20 @@ fn envelopes() -> [Envelope; 3] {
 #[test]
 fn moments_follow_their_own_equations() {
     let (start, moments) = correlated();
-    for a in [0.0, 0.2] {
+    let [_, kinks, steps] = envelopes();
+    for (a, envelope) in [(0.0, kinks), (0.2, steps)] {
         let (system, density) = (Noisy { a }, solved(a));
-        let all = envelopes();
-        let (smooth, steps) = all.split_at(2);
-        for envelope in if a == 0.0 { smooth } else { steps } {
-            for found in density.transient(Course::from(&start).under(envelope.clone()), &[2.0], 1e-5).unwrap() {
-                let truth = system.moments(envelope, moments, found.time);
-                for (powers, truth) in POWERS.iter().zip(truth) {
-                    let moment = found.moment(powers).unwrap();
-                    let off = moment.value - truth;
-                    println!("a = {a}, t = {}, {powers:?}: {off:.1e} off, {:.1e} estimated", found.time, moment.error);
-                    assert!(off.abs() < 1e-6 && off.abs() < moment.error, "{envelope:?}: {moment} and {truth}");
-                }
-                // Mass is conserved but for what leaks through the edges.
-                let lost = 1.0 - found.moment(&[0, 0]).unwrap().value;
-                assert!(lost.abs() < 1e-7, "a = {a}: {lost:e}");
+        for found in density.transient(Course::from(&start).under(envelope.clone()), &[2.0], 1e-5).unwrap() {
+            let truth = system.moments(&envelope, moments, found.time);
+            for (powers, truth) in POWERS.iter().zip(truth) {
+                let moment = found.moment(powers).unwrap();
+                let off = moment.value - truth;
+                println!("a = {a}, t = {}, {powers:?}: {off:.1e} off, {:.1e} estimated", found.time, moment.error);
+                assert!(off.abs() < 1e-6 && off.abs() < moment.error, "{envelope:?}: {moment} and {truth}");
             }
+            // Mass is conserved but for what leaks through the edges.
+            let lost = 1.0 - found.moment(&[0, 0]).unwrap().value;
+            assert!(lost.abs() < 1e-7, "a = {a}: {lost:e}");
         }
     }
 }
@@ -104,7 +101,7 @@ fn constant_envelopes_have_their_own_stationary_densities() {
 fn survival_of_an_earthquake_agrees_with_a_simulation() {
     let within = [-1.2, 1.2];
     let course = Course::from([0.0, 0.0]).under(Envelope::exponentials(1.3, 0.09, 1.49).unwrap());
-    let cases = [(problem(duffing()), vec![5.0, 10.0, 20.0]), (duffing_above(-0.5, 0.8), vec![5.0, 8.0])];
+    let cases = [(problem(duffing()), vec![5.0, 10.0]), (duffing_above(-0.5, 0.8), vec![5.0])];
     for (case, (problem, times)) in cases.iter().enumerate() {
         let density = Grid::new().accuracy(1e-4).solve(problem).unwrap();
         let found = density.survival(within).unwrap().probability(&course, times, 1e-3).unwrap();

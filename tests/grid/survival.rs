@@ -34,7 +34,7 @@ fn gaussian(x: f64, spread: f64) -> Start {
 /// P(T > 0) = P(X < b), its first slope is minus Rice's rate of up-crossings, and it falls with time and rises with the level.
 #[test]
 fn survival_begins_as_rice_has_it_and_is_monotone() {
-    let times = [0.0, 0.02, 0.04, 1.0, 8.0];
+    let times = [0.0, 0.02, 0.04, 1.0, 3.0];
     let mut last = vec![0.0; times.len()];
     for level in [0.5, 1.5, 2.5].map(|share| share * SIGMA) {
         let found = stationary(&below(level), &times);
@@ -110,7 +110,7 @@ fn survival_converges_with_the_accuracy() {
         let density = Grid::new().accuracy(accuracy).solve(&problem(crate::common::duffing())).unwrap();
         density.survival([-NONE, 1.5 * SIGMA]).unwrap().rate().unwrap()
     };
-    let (finest, found) = (at(1e-9), [1e-2, 1e-6].map(at));
+    let (finest, found) = (at(1e-8), [1e-2, 1e-5].map(at));
     let off = found.map(|found| (found.value - finest.value).abs());
     println!("off by {off:?}, finest {finest}, found {found:?}");
     assert!(off[1] < off[0] / 3.0, "{off:?}");
@@ -123,9 +123,10 @@ fn survival_converges_with_the_accuracy() {
 fn survival_agrees_with_a_count() {
     for (walled, level) in [(None, 1.5 * SIGMA), (Some(0.8), 1.5)] {
         let problem = walled.map_or_else(|| problem(crate::common::duffing()), |r| duffing_above(-0.2, r));
-        let density = Grid::new().accuracy(1e-4).solve(&problem).unwrap();
-        // 12 whole windows of 121 observations on each of 1000 trajectories.
-        let simulation = Simulation::new().sampling_interval(0.1).trajectories(1000).samples(1000 * 121 * 12).seed(3);
+        let solve = || Grid::new().accuracy(1e-4).solve(&problem).unwrap();
+        let density = if walled.is_some() { &solve() } else { duffing() };
+        // 6 whole windows of 121 observations on each of 1000 trajectories.
+        let simulation = Simulation::new().sampling_interval(0.1).trajectories(1000).samples(1000 * 121 * 6).seed(3);
         let counted = simulation.first_passage(level, 12.0, 6).run(&problem).unwrap();
         let counted = counted.first_passage(level).unwrap().distribution();
         let times: Vec<f64> = counted.iter().map(|(time, _)| *time).collect();

@@ -79,7 +79,8 @@ fn the_impact_rate_settles_as_the_grazing_point_is_resolved() {
     // Cells at the grazing point are graded before the first solution: it has all that the rate needs.
     assert!(offs.iter().all(|off| *off < 4e-7), "{offs:?}");
     for (rate, off) in rates.iter().zip(offs) {
-        assert!(off * rate.value < rate.error && rate.error < 2e-6 * rate.value, "{rate:.10}, {off:e}");
+        // What lies below the smallest cell is taken twice, and was never more than half of that.
+        assert!(2.0 * off * rate.value < rate.error && rate.error < 2e-6 * rate.value, "{rate:.10}, {off:e}");
     }
 }
 

@@ -414,7 +414,7 @@ fn nothing_panics_on_random_systems() {
     let mut points = Points::new(2026);
     let extreme = [0.0, 1e-8, 1e6, 1e150, f64::NAN, f64::INFINITY, -1e3];
     let mut densities = 0;
-    for k in 0..150usize {
+    for k in 0..60usize {
         let mut c: [f64; 8] = points.array(1.0);
         // Two in three are confined, so that many have a density.
         if k % 3 > 0 {
@@ -438,7 +438,7 @@ fn nothing_panics_on_random_systems() {
             }
         }
     }
-    assert!(densities > 150, "{densities}");
+    assert!(densities > 60, "{densities}");
 }
 
 /// A density that is high on a fine lattice, where every cell is evaluated first, and 1e-12 of that elsewhere.

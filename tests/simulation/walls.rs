@@ -1,6 +1,6 @@
 //! Several walls, in two states and in more.
 
-use crate::common::{between, walls_at};
+use crate::common::{between, duffing_above, walls_at};
 use expoly::models::{Duffing, FilteredDuffing};
 use expoly::statistics::Impacts;
 use expoly::{
@@ -157,7 +157,7 @@ fn assert_balance(what: &str, result: &SimulatedDensity) {
 fn elastic_walls_on_two_bodies_leave_the_equilibrium() -> Result<()> {
     let mut numbers = Numbers(2026);
     let mut squares = Vec::new();
-    for case in 0..20_u64 {
+    for case in 0..10_u64 {
         let mut number = |range| numbers.between(range);
         let bodies = Bodies {
             masses: [1.0, number([0.2, 1.5])],
@@ -208,7 +208,7 @@ fn elastic_walls_on_two_bodies_leave_the_equilibrium() -> Result<()> {
         }
         assert_balance(&format!("case {case}"), &result);
     }
-    // Of 208 statistics, some of them correlated; chance gives 1 ± 0.05.
+    // Of a hundred statistics, some of them correlated; chance gives 1 ± 0.07.
     let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
     println!("root mean square of {}: {rms}", squares.len());
     assert!((0.85..1.15).contains(&rms), "the deviations have the root mean square {rms}");
@@ -248,6 +248,21 @@ fn lossy_walls_on_two_bodies_keep_the_balance() -> Result<()> {
         assert!(error < 5e-3 * brought, "{error}");
         deviation(&format!("r = {r}, case {case}: power taken"), Estimate::new(sum, error), brought);
     }
+    Ok(())
+}
+
+/// The balance of a velocity is the power of the noise, D = 0.2, less what damper, springs and wall take, by the same samples: an identity
+/// of sums, to rounding.
+#[test]
+fn the_balance_is_that_of_its_parts() -> Result<()> {
+    let problem = duffing_above(-0.5, 0.6);
+    let result = Simulation::new().samples(20_000).control_variates(false).run(&problem)?;
+    let mean = |powers: [u32; 2]| result.moment(&powers).map(|moment| moment.value);
+    let springs = mean([1, 1])? + 0.3 * mean([3, 1])?;
+    let taken = 0.2 * mean([0, 2])? + springs + Impacts::new(&result, &problem)?.power().value;
+    let balance = result.energy_balance()[0].value;
+    println!("{balance:e}, by its parts {:e}", 1.0 - taken / 0.2);
+    assert!((balance - (1.0 - taken / 0.2)).abs() < 1e-12, "{balance} and {}", 1.0 - taken / 0.2);
     Ok(())
 }
 
@@ -305,7 +320,7 @@ fn rest_on_a_wall_does_not_depend_on_the_step() -> Result<()> {
         simulation.seed((1.0 / step) as u64).run(&problem)
     };
     let mut found: Vec<[Estimate; 5]> = Vec::new();
-    for step in [0.02, 0.01, 0.005] {
+    for step in [0.02, 0.005] {
         let result = run(step)?;
         let statistics = [
             result.time_at_rest(0)?,
@@ -317,7 +332,7 @@ fn rest_on_a_wall_does_not_depend_on_the_step() -> Result<()> {
         println!("{step}: {}", statistics.map(|s| s.to_string()).join(", "));
         found.push(statistics);
     }
-    assert!((found[2][0].value - 0.229).abs() < 4.0 * found[2][0].error.hypot(0.002), "{}", found[2][0]);
+    assert!((found[1][0].value - 0.229).abs() < 4.0 * found[1][0].error.hypot(0.002), "{}", found[1][0]);
     for (k, name) in ["time at rest", "chatters", "E x", "E v²", "power"].into_iter().enumerate() {
         for pair in found.windows(2) {
             let [coarse, fine] = [pair[0][k], pair[1][k]];

@@ -4,7 +4,7 @@ use num_dual::{Dual64, DualNum};
 
 /// A function of numbers and parameters.
 #[derive(Debug)]
-pub(super) struct NamedFunction {
+pub(in crate::problem) struct NamedFunction {
     pub(super) name: &'static str,
     pub(super) real: fn(f64) -> f64,
     pub(super) dual: fn(&Dual64) -> Dual64,

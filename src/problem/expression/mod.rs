@@ -11,7 +11,7 @@ use crate::polynomial::{Polynomial, is_real, series};
 use crate::record::Read;
 use functions::{FUNCTIONS, NamedFunction, of_state};
 use num_dual::{Dual64, DualNum};
-use parser::{Expression, parsed};
+pub(super) use parser::Expression;
 
 /// No polynomial here has more terms.
 const MOST_TERMS: usize = 100_000;
@@ -144,6 +144,27 @@ impl Names {
 }
 
 impl Expression {
+    /// The polynomial of an expression in states and parameters.
+    pub(super) fn polynomial(&self, names: &Names) -> Parsed<Polynomial> {
+        let p = match self.value(names)? {
+            Term::Number(number) => series(number, names.variables()),
+            Term::Polynomial(p) => p,
+        };
+        if let Some((_, c)) = p.terms().find(|(_, c)| !c.is_finite()) {
+            return Err(Fault::new(0, format!("a coefficient is {c}")));
+        }
+        Ok(p)
+    }
+
+    /// The number of an expression in parameters.
+    pub(super) fn number(&self, names: &Names) -> Parsed<Dual64> {
+        match self.value(names)? {
+            Term::Number(number) if number.re.is_finite() => Ok(number),
+            Term::Number(number) => Err(Fault::new(0, format!("it is {}", number.re))),
+            Term::Polynomial(_) => Err(Fault::new(0, "it must be a number")),
+        }
+    }
+
     /// Its value by those of the names in it.
     fn value(&self, names: &Names) -> Parsed<Term> {
         let at = |at: usize| move |problem: String| Fault::new(at, problem);
@@ -193,28 +214,6 @@ fn applied(function: &NamedFunction, term: Term) -> Read<Term> {
     }
 }
 
-/// The polynomial of an expression in states and parameters.
-pub(super) fn polynomial(text: &str, names: &Names) -> Parsed<Polynomial> {
-    let p = match parsed(text)?.value(names)? {
-        Term::Number(number) => series(number, names.variables()),
-        Term::Polynomial(p) => p,
-    };
-    if let Some((_, c)) = p.terms().find(|(_, c)| !c.is_finite()) {
-        return Err(Fault::new(0, format!("a coefficient is {c}")));
-    }
-    Ok(p)
-}
-
-/// The number of an expression in parameters.
-pub(super) fn number(text: &str, parameters: &[(String, Dual64)]) -> Parsed<Dual64> {
-    let names = Names { parameters: parameters.to_vec(), ..Names::default() };
-    match parsed(text)?.value(&names)? {
-        Term::Number(number) if number.re.is_finite() => Ok(number),
-        Term::Number(number) => Err(Fault::new(0, format!("it is {}", number.re))),
-        Term::Polynomial(_) => Err(Fault::new(0, "it must be a number")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -222,7 +221,8 @@ mod tests {
     fn text(expression: &str) -> String {
         let parameters = vec![("k".into(), 2.0.into()), ("c1".into(), 0.5.into())];
         let names = Names { states: vec!["x".into(), "v".into()], parameters, more: 0 };
-        polynomial(expression, &names)
+        Expression::parsed(expression)
+            .and_then(|expression| expression.polynomial(&names))
             .map_or_else(|fault| format!("{}: {}", fault.at, fault.problem), |p| p.text(&names.states).to_string())
     }
 
@@ -285,7 +285,8 @@ mod tests {
         for broken in ["(", ")", "x +", "x v", "2 x", "((x)", "sqrt", "sqrt()", "1e", ".", "x..2", "1.2.3"] {
             let problem = text(broken);
             let names = Names { states: vec!["x".into(), "v".into()], ..Names::default() };
-            assert!(polynomial(broken, &names).is_err(), "{broken}: {problem}");
+            let value = Expression::parsed(broken).and_then(|expression| expression.polynomial(&names));
+            assert!(value.is_err(), "{broken}: {problem}");
         }
         assert!(text(&"(".repeat(1000)).contains("deeper") && text(&"x+".repeat(10_000)).contains("too long"));
     }

@@ -9,7 +9,7 @@ const DEEPEST: usize = 100;
 
 /// An expression; places are those of its text's bytes, for errors.
 #[derive(Clone, Debug)]
-pub(super) enum Expression {
+pub(in crate::problem) enum Expression {
     Number(f64),
     Name {
         at: usize,
@@ -35,24 +35,26 @@ struct Parser<'a> {
     depth: usize,
 }
 
-/// sum = [+ or −] product {+ or − product}, product = power {* or / power}, power = operand [^ operand], and an operand is a number,
-/// a name, a function of a sum in parentheses, or such a sum: −x² is −(x²), as on paper.
-pub(super) fn parsed(text: &str) -> Parsed<Expression> {
-    if text.len() > LONGEST {
-        return Err(Fault::new(0, format!("an expression of {} characters is too long", text.len())));
-    }
-    let mut parser = Parser { text, at: 0, depth: 0 };
-    if parser.next().is_none() {
-        return parser.fault("it is empty");
-    }
-    let sum = parser.sum()?;
-    match parser.next() {
-        None => Ok(sum),
-        Some(')') => parser.fault("this ) has no ("),
-        Some(c) if c.is_ascii_alphanumeric() || "_.(".contains(c) => {
-            parser.fault("an operator is missing: write * for a product")
+impl Expression {
+    /// sum = [+ or −] product {+ or − product}, product = power {* or / power}, power = operand [^ operand], and an operand is a number,
+    /// a name, a function of a sum in parentheses, or such a sum: −x² is −(x²), as on paper.
+    pub(in crate::problem) fn parsed(text: &str) -> Parsed<Self> {
+        if text.len() > LONGEST {
+            return Err(Fault::new(0, format!("an expression of {} characters is too long", text.len())));
         }
-        Some(c) => parser.fault(format!("the character {c:?} has no meaning here")),
+        let mut parser = Parser { text, at: 0, depth: 0 };
+        if parser.next().is_none() {
+            return parser.fault("it is empty");
+        }
+        let sum = parser.sum()?;
+        match parser.next() {
+            None => Ok(sum),
+            Some(')') => parser.fault("this ) has no ("),
+            Some(c) if c.is_ascii_alphanumeric() || "_.(".contains(c) => {
+                parser.fault("an operator is missing: write * for a product")
+            }
+            Some(c) => parser.fault(format!("the character {c:?} has no meaning here")),
+        }
     }
 }
 

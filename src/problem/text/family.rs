@@ -1,6 +1,7 @@
 //! Problems of a text, for all values of its parameters.
 
-use super::read::{Placed, TextContent, TextDocument};
+use super::read::TextDocument;
+use super::written::{Placed, TextContent, Written};
 use crate::error::Result;
 use crate::fokker_planck::Impulse;
 use crate::polynomial::Polynomial;
@@ -9,10 +10,11 @@ use crate::problem::definition::PolynomialForm;
 use crate::problem::family::{Family, Lifted};
 use crate::walls::Wall;
 use num_dual::Dual64;
+use std::sync::Arc;
 
 /// The problems of a text for all values of its parameters.
 struct Text {
-    text: String,
+    written: Arc<Written>,
     /// The parameters that have other values than there.
     changes: Vec<(String, f64)>,
     walls: Vec<Wall>,
@@ -28,7 +30,7 @@ impl Text {
 impl Family for Text {
     fn at(&self, value: &dyn Fn(&str, f64) -> f64) -> Result<Problem> {
         let mut changes = self.changes.clone();
-        let names = TextDocument(&self.text).equations(&|name, found| self.changed(name, found), 0)?.names;
+        let names = self.written.content(&|name, found| self.changed(name, found), 0)?.names;
         for (name, present) in names.parameters {
             let new = value(&name, present.re);
             if new != present.re {
@@ -36,7 +38,7 @@ impl Family for Text {
                 changes.push((name, new));
             }
         }
-        problem(&self.text, changes)
+        problem(Arc::clone(&self.written), changes)
     }
 
     fn lifted(&self, value: &dyn Fn(&str, f64) -> Dual64) -> Result<Lifted> {
@@ -45,7 +47,7 @@ impl Family for Text {
             let present = self.changed(name, found);
             present + (value(name, present.re) - present.re)
         };
-        let TextContent { form, names, walls } = TextDocument(&self.text).equations(&seeded, 1)?;
+        let TextContent { form, names, walls } = self.written.content(&seeded, 1)?;
         let n = names.variables();
         let padded = |mut entries: Vec<Polynomial>| {
             entries.resize(n, Polynomial::zero(n));
@@ -67,16 +69,14 @@ impl Family for Text {
 }
 
 /// The problem of a text, in which these parameters have other values.
-fn problem(text: &str, changes: Vec<(String, f64)>) -> Result<Problem> {
-    let mut family = Text { text: text.to_owned(), changes, walls: Vec::new() };
-    let document = TextDocument(text);
-    let TextContent { form, names, walls: placed } =
-        document.equations(&|name, value| family.changed(name, value), 0)?;
+fn problem(written: Arc<Written>, changes: Vec<(String, f64)>) -> Result<Problem> {
+    let mut family = Text { written: Arc::clone(&written), changes, walls: Vec::new() };
+    let TextContent { form, names, walls: placed } = written.content(&|name, value| family.changed(name, value), 0)?;
     let parameters = names.parameters.into_iter().map(|(name, value)| (name, value.re)).collect();
     family.walls = placed.iter().map(|placed| placed.wall).collect();
     let problem = Problem::of_polynomials(form.real(), names.states, parameters, Some(Box::new(family)))?;
     placed.into_iter().try_fold(problem, |problem, Placed { place, wall, .. }| {
-        problem.with_wall(wall).or_else(|error| document.wrong(place, "wall", error.to_string()))
+        problem.with_wall(wall).or_else(|error| written.document().wrong(place, "wall", error.to_string()))
     })
 }
 
@@ -129,6 +129,6 @@ impl Problem {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn from_toml(text: &str) -> Result<Self> {
-        problem(text, Vec::new())
+        problem(Arc::new(TextDocument(text).written()?), Vec::new())
     }
 }

@@ -1,17 +1,27 @@
 //! Impulses from text and to text.
 
 use super::read::{Entry, TextDocument};
+use super::written::{Formula, WrittenImpulse};
 use crate::error::Result;
-use crate::fokker_planck::Impulse;
-use crate::polynomial::Polynomial;
-use crate::problem::expression::Names;
-use crate::system::{Amplitude, PoissonImpulses};
+use crate::system::Amplitude;
 use num_dual::Dual64;
 use toml::de::DeTable;
 
 /// The remedy for a law that is none.
 const LAWS: &str = "give one law: amplitude = { normal = { mean = 0, deviation = 0.3 } }, { exponential = { mean = 0.2 } }, \
 { uniform = { low = -1, high = 1 } }, { two_point = { a = -0.3, b = 0.3 } } or { laplace = { mean = 0, scale = 0.2 } }";
+
+/// A law of amplitudes, by its numbers.
+pub(super) type Law = fn(&[Dual64]) -> Amplitude<Dual64>;
+
+/// The laws, with the names of their numbers.
+const KNOWN: [(&str, &[&str], Law); 5] = [
+    ("normal", &["mean", "deviation"], |y| Amplitude::Normal { mean: y[0], deviation: y[1] }),
+    ("exponential", &["mean"], |y| Amplitude::Exponential { mean: y[0] }),
+    ("uniform", &["low", "high"], |y| Amplitude::Uniform { low: y[0], high: y[1] }),
+    ("two_point", &["a", "b"], |y| Amplitude::TwoPoint { a: y[0], b: y[1] }),
+    ("laplace", &["mean", "scale"], |y| Amplitude::Laplace { mean: y[0], scale: y[1] }),
+];
 
 impl TextDocument<'_> {
     /// The impulses of a table.
@@ -20,59 +30,35 @@ impl TextDocument<'_> {
         name: &str,
         table: &DeTable<'_>,
         place: usize,
-        names: &Names,
-    ) -> Result<Impulse<Dual64>> {
+        states: &[String],
+    ) -> Result<WrittenImpulse> {
         let rate = match table.get("rate") {
-            Some(rate) => self.dual(name, rate, &names.parameters)?,
+            Some(rate) => self.formula(name, rate)?,
             None => return self.wrong(place, name, "it has no rate; rate = 2.0 is two impulses per unit time"),
         };
-        let amplitude = match table.get("amplitude") {
-            Some(amplitude) => self.amplitude(name, amplitude, names)?,
+        let (law, numbers) = match table.get("amplitude") {
+            Some(amplitude) => self.law(name, amplitude)?,
             None => return self.wrong(place, name, LAWS),
         };
-        let field = self.by_state(table, (name, &["rate", "amplitude"]), names)?;
-        let zero = || Polynomial::zero(names.variables());
-        let field = field.into_iter().map(|entry| entry.unwrap_or_else(zero)).collect();
-        let impulses = PoissonImpulses::of(rate, amplitude)
-            .checked()
-            .or_else(|error| self.wrong(place, name, error.to_string()))?;
-        Ok(Impulse::new(impulses, field))
+        let field = self.by_state(table, (name, &["rate", "amplitude"]), states)?;
+        Ok(WrittenImpulse { name: name.to_owned(), place, rate, law, numbers, field })
     }
 
-    fn amplitude(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<Amplitude<Dual64>> {
+    fn law(self, name: &str, value: &Entry<'_>) -> Result<(Law, Vec<Formula>)> {
         let place = value.span().start;
         let laws = self.table(name, value)?;
         let (Some((law, numbers)), 1) = (laws.iter().next(), laws.len()) else { return self.wrong(place, name, LAWS) };
         let law = law.get_ref().as_ref();
         let numbers = self.table(law, numbers)?;
-        let all = |entries: &[&str]| -> Result<Vec<Dual64>> {
-            self.known(numbers, law, entries)?;
-            let number = |name: &&str| match numbers.get(*name) {
-                Some(value) => self.dual(name, value, &names.parameters),
-                None => self.wrong(place, name, LAWS),
-            };
-            entries.iter().map(number).collect()
+        let Some((_, entries, of)) = KNOWN.iter().find(|(known, ..)| *known == law) else {
+            return self.wrong(place, law, LAWS);
         };
-        Ok(match law {
-            "normal" => {
-                let numbers = all(&["mean", "deviation"])?;
-                Amplitude::Normal { mean: numbers[0], deviation: numbers[1] }
-            }
-            "exponential" => Amplitude::Exponential { mean: all(&["mean"])?[0] },
-            "uniform" => {
-                let numbers = all(&["low", "high"])?;
-                Amplitude::Uniform { low: numbers[0], high: numbers[1] }
-            }
-            "two_point" => {
-                let numbers = all(&["a", "b"])?;
-                Amplitude::TwoPoint { a: numbers[0], b: numbers[1] }
-            }
-            "laplace" => {
-                let numbers = all(&["mean", "scale"])?;
-                Amplitude::Laplace { mean: numbers[0], scale: numbers[1] }
-            }
-            _ => return self.wrong(place, law, LAWS),
-        })
+        self.known(numbers, law, entries)?;
+        let number = |name: &&str| match numbers.get(*name) {
+            Some(value) => self.formula(name, value),
+            None => self.wrong(place, name, LAWS),
+        };
+        Ok((*of, entries.iter().map(number).collect::<Result<_>>()?))
     }
 }
 

@@ -1,13 +1,10 @@
 //! From text.
 
+use super::written::{Formula, Hit, Written, WrittenWall};
 use crate::error::{Error, Result};
 use crate::numerics::sort_by_number;
-use crate::polynomial::{Polynomial, is_real};
-use crate::problem::definition::PolynomialForm;
-use crate::problem::expression::{Fault, Names, is_name, number, polynomial, reserved};
+use crate::problem::expression::{Expression, is_name, reserved};
 use crate::system::Interpretation;
-use crate::walls::Wall;
-use num_dual::Dual64;
 use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -18,24 +15,6 @@ const NO_STATE: &str =
 
 type Key<'a> = Spanned<Cow<'a, str>>;
 pub(super) type Entry<'a> = Spanned<DeValue<'a>>;
-
-/// What a document says.
-pub(super) struct TextContent {
-    pub(super) form: PolynomialForm<Dual64>,
-    pub(super) names: Names,
-    pub(super) walls: Vec<Placed>,
-}
-
-/// A wall of a text.
-pub(super) struct Placed {
-    pub(super) place: usize,
-    pub(super) wall: Wall,
-    /// Its offset and its restitution.
-    pub(super) numbers: [Dual64; 2],
-}
-
-/// Gives a parameter another value.
-type NewValue<'a> = &'a dyn Fn(&str, Dual64) -> Dual64;
 
 /// A document, for the lines of its errors.
 #[derive(Clone, Copy)]
@@ -56,33 +35,14 @@ impl TextDocument<'_> {
         }
     }
 
-    /// An expression in states and parameters; a plain number is one.
-    fn expression(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<Polynomial> {
+    /// The expression of an entry; a plain number is one.
+    pub(super) fn formula(self, name: &str, value: &Entry<'_>) -> Result<Formula> {
         let text = self.text(name, value)?;
-        polynomial(&text, names).or_else(|fault| self.wrong_within(value, &text, name, fault))
-    }
-
-    /// What is wrong at a place of an expression, unless escapes hide where that is in the document.
-    fn wrong_within<T>(self, value: &Entry<'_>, text: &str, name: &str, Fault { at, problem }: Fault) -> Result<T> {
-        let written = self.0.get(value.span()).unwrap_or_default();
-        let place = written.find(text).map_or(0, |begin| begin + at);
-        self.wrong(value.span().start + place, name, problem)
-    }
-
-    /// An expression without states.
-    pub(super) fn dual(self, name: &str, value: &Entry<'_>, parameters: &[(String, Dual64)]) -> Result<Dual64> {
-        let text = self.text(name, value)?;
-        number(&text, parameters).or_else(|fault| self.wrong_within(value, &text, name, fault))
-    }
-
-    /// The same where nothing is differentiated.
-    fn number(self, name: &str, value: &Entry<'_>, names: &Names) -> Result<f64> {
-        let found = self.dual(name, value, &names.parameters)?;
-        if is_real(found) {
-            return Ok(found.re);
-        }
-        let what = "derivatives by parameters of masses that hit each other";
-        Err(Error::NotServed { method: "automatic differentiation", what, remedy: "take differences of two problems" })
+        let within = self.0.get(value.span()).unwrap_or_default().find(&text);
+        let place = value.span().start + within.unwrap_or(0);
+        let expression = Expression::parsed(&text)
+            .or_else(|fault| self.wrong(place + within.map_or(0, |_| fault.at), name, fault.problem))?;
+        Ok(Formula { name: name.to_owned(), expression, place, literal: within.is_some() })
     }
 
     fn text(self, name: &str, value: &Entry<'_>) -> Result<String> {
@@ -132,87 +92,124 @@ impl TextDocument<'_> {
         self.wrong(place, name, problem)
     }
 
-    fn parameters(self, root: &DeTable<'_>, states: &[String], change: NewValue<'_>) -> Result<Vec<(String, Dual64)>> {
-        let mut parameters: Vec<(String, Dual64)> = Vec::new();
-        let Some(value) = root.get("parameters") else { return Ok(parameters) };
-        // A parameter may be made of those above it.
-        for (key, value) in in_order(self.table("parameters", value)?) {
+    /// A parameter may be made of those above it.
+    fn parameters(self, root: &DeTable<'_>, states: &[String]) -> Result<Vec<Formula>> {
+        let Some(value) = root.get("parameters") else { return Ok(Vec::new()) };
+        let formula = |(key, value): (&Key<'_>, &Entry<'_>)| {
             let name = key.get_ref();
             self.sound(key.span().start, name)?;
             if states.iter().any(|state| state == name) {
                 return self.wrong(key.span().start, name, "a state has this name");
             }
-            let value = change(name, self.dual(name, value, &parameters)?);
-            parameters.push((name.to_string(), value));
-        }
-        Ok(parameters)
+            self.formula(name, value)
+        };
+        in_order(self.table("parameters", value)?).into_iter().map(formula).collect()
     }
 
-    /// One entry for each state that a table names, which may have others `beside` these.
+    fn interpretation(self, root: &DeTable<'_>) -> Result<Interpretation> {
+        match root.get("interpretation").map(|value| (value.span().start, value.get_ref())) {
+            None => Ok(Interpretation::Ito),
+            Some((_, DeValue::String(name))) if name == "ito" => Ok(Interpretation::Ito),
+            Some((_, DeValue::String(name))) if name == "stratonovich" => Ok(Interpretation::Stratonovich),
+            Some((place, _)) => self.wrong(place, "interpretation", "it is \"ito\" or \"stratonovich\""),
+        }
+    }
+
+    /// An entry for each state, which a table need not name, and which may have others `beside` these.
     pub(super) fn by_state(
         self,
         table: &DeTable<'_>,
         (what, beside): (&str, &[&str]),
-        names: &Names,
-    ) -> Result<Vec<Option<Polynomial>>> {
-        let states: Vec<&str> = names.states.iter().map(String::as_str).collect();
+        states: &[String],
+    ) -> Result<Vec<Option<Formula>>> {
+        let states: Vec<&str> = states.iter().map(String::as_str).collect();
         self.known(table, what, &[beside, &states].concat())?;
-        let entry = |name: &&str| table.get(*name).map(|value| self.expression(name, value, names)).transpose();
-        states.iter().map(entry).collect()
+        states.iter().map(|name| table.get(*name).map(|value| self.formula(name, value)).transpose()).collect()
+    }
+
+    fn drift(self, root: &DeTable<'_>, states: &[String]) -> Result<Vec<Formula>> {
+        let Some(drift) = root.get("drift") else {
+            return self.wrong(0, "drift", "there is none: write a table [drift] with an entry for each state");
+        };
+        let found = self.by_state(self.table("drift", drift)?, ("the drift", &[]), states)?;
+        if let Some(i) = found.iter().position(Option::is_none) {
+            let problem = "the drift has no entry for this state; write 0 where it does not move";
+            return self.wrong(drift.span().start, &states[i], problem);
+        }
+        Ok(found.into_iter().flatten().collect())
+    }
+
+    /// What `of` makes of each table of a kind, by its name, its entries and its place.
+    fn each<T>(
+        self,
+        root: &DeTable<'_>,
+        kind: &str,
+        of: impl Fn(&str, &DeTable<'_>, usize) -> Result<T>,
+    ) -> Result<Vec<T>> {
+        let Some(tables) = root.get(kind) else { return Ok(Vec::new()) };
+        let one = |(key, value): (&Key<'_>, &Entry<'_>)| {
+            let name = format!("{kind}.{}", key.get_ref());
+            of(&name, self.table(&name, value)?, key.span().start)
+        };
+        in_order(self.table(kind, tables)?).into_iter().map(one).collect()
     }
 
     /// The wall of a table, with the number of a state by its name.
-    fn wall(self, entry: &Entry<'_>, names: &Names) -> Result<Placed> {
+    fn wall(self, entry: &Entry<'_>, states: &[String]) -> Result<WrittenWall> {
         let place = entry.span().start;
-        let wrong = |problem: &str| self.wrong::<Placed>(place, "wall", problem);
+        let wrong = |problem: &str| self.wrong::<WrittenWall>(place, "wall", problem);
         let table = self.table("wall", entry)?;
         self.known(table, "a wall", &["state", "between", "masses", "above", "below", "restitution"])?;
-        let number = |name: &str| table.get(name).map(|value| self.dual(name, value, &names.parameters)).transpose();
-        let Some(restitution) = number("restitution")? else {
+        let formula = |name: &str| table.get(name).map(|value| self.formula(name, value)).transpose();
+        let Some(restitution) = formula("restitution")? else {
             return wrong("it has no restitution; 0 < restitution ≤ 1");
         };
-        let (offset, made) = match (number("above")?, number("below")?) {
-            (Some(offset), None) => (offset, Wall::above(offset.re, restitution.re)),
-            (None, Some(offset)) => (offset, Wall::below(offset.re, restitution.re)),
+        let (above, offset) = match (formula("above")?, formula("below")?) {
+            (Some(offset), None) => (true, offset),
+            (None, Some(offset)) => (false, offset),
             _ => return wrong("the motion stays above = b, or below = b: give one of the two"),
         };
         let state = |value: &DeValue<'_>| match value {
-            DeValue::String(name) => names.states.iter().position(|state| state == name),
+            DeValue::String(name) => states.iter().position(|state| state == name),
             _ => None,
         };
         let entry = |name: &str| table.get(name).map(Spanned::get_ref);
-        let on = match (entry("state"), entry("between")) {
+        let hit = match (entry("state"), entry("between")) {
             (Some(value), None) => {
                 let Some(state) = state(value) else { return wrong(NO_STATE) };
                 if entry("masses").is_some() {
                     return wrong("masses are those of two bodies: between = [\"x\", \"y\"]");
                 }
-                made.map(|wall| wall.on(state))
+                Hit::State(state)
             }
             (None, Some(DeValue::Array(pair))) if pair.len() == 2 => {
                 let (Some(first), Some(second)) = (state(pair[0].get_ref()), state(pair[1].get_ref())) else {
                     return wrong(NO_STATE);
                 };
                 let masses = match entry("masses") {
-                    None => [1.0, 1.0],
+                    None => None,
                     Some(DeValue::Array(masses)) if masses.len() == 2 => {
-                        let mass = |i: usize| self.number("masses", &masses[i], names);
-                        [mass(0)?, mass(1)?]
+                        Some([self.formula("masses", &masses[0])?, self.formula("masses", &masses[1])?])
                     }
                     Some(_) => return wrong("give two masses: masses = [1, 0.1]"),
                 };
-                made.and_then(|wall| wall.between([first, second], masses))
+                Hit::Bodies([first, second], masses)
             }
             _ => return wrong(NO_STATE),
         };
-        match on {
-            Ok(wall) => Ok(Placed { place, wall, numbers: [offset, restitution] }),
-            Err(error) => wrong(&error.to_string()),
+        Ok(WrittenWall { place, above, offset, restitution, hit })
+    }
+
+    fn walls(self, root: &DeTable<'_>, states: &[String]) -> Result<Vec<WrittenWall>> {
+        match root.get("wall").map(|list| (list.span().start, list.get_ref())) {
+            None => Ok(Vec::new()),
+            Some((_, DeValue::Array(entries))) => entries.iter().map(|entry| self.wall(entry, states)).collect(),
+            Some((place, _)) => self.wrong(place, "wall", "each wall is a table [[wall]]"),
         }
     }
 
-    /// What it says, the parameters as `change` gives them; beside the states polynomials have so many `more` variables.
-    pub(super) fn equations(self, change: NewValue<'_>, more: usize) -> Result<TextContent> {
+    /// The document with its expressions parsed.
+    pub(super) fn written(self) -> Result<Written> {
         let root = match DeTable::parse(self.0) {
             Ok(root) => root.into_inner(),
             Err(error) => {
@@ -226,49 +223,16 @@ impl TextDocument<'_> {
             &["states", "interpretation", "parameters", "drift", "noise", "impulse", "wall"],
         )?;
         let states = self.states(&root)?;
-        let parameters = self.parameters(&root, &states, change)?;
-        let interpretation = match root.get("interpretation").map(|value| (value.span().start, value.get_ref())) {
-            None => Interpretation::Ito,
-            Some((_, DeValue::String(name))) if name == "ito" => Interpretation::Ito,
-            Some((_, DeValue::String(name))) if name == "stratonovich" => Interpretation::Stratonovich,
-            Some((place, _)) => return self.wrong(place, "interpretation", "it is \"ito\" or \"stratonovich\""),
-        };
-        let names = Names { states, parameters, more };
-        let zero = || Polynomial::zero(names.variables());
-        let Some(drift) = root.get("drift") else {
-            return self.wrong(0, "drift", "there is none: write a table [drift] with an entry for each state");
-        };
-        let found = self.by_state(self.table("drift", drift)?, ("the drift", &[]), &names)?;
-        if let Some(i) = found.iter().position(Option::is_none) {
-            let problem = "the drift has no entry for this state; write 0 where it does not move";
-            return self.wrong(drift.span().start, &names.states[i], problem);
-        }
-        let drift = found.into_iter().flatten().collect();
-        let mut form = PolynomialForm { drift, columns: Vec::new(), interpretation, impulses: Vec::new() };
-        if let Some(noise) = root.get("noise") {
-            for (key, process) in in_order(self.table("noise", noise)?) {
-                let name = format!("noise.{}", key.get_ref());
-                let column = self.by_state(self.table(&name, process)?, (&name, &[]), &names)?;
-                form.columns.push(column.into_iter().map(|entry| entry.unwrap_or_else(zero)).collect());
-            }
-        }
-        if let Some(sources) = root.get("impulse") {
-            for (key, source) in in_order(self.table("impulse", sources)?) {
-                let name = format!("impulse.{}", key.get_ref());
-                let impulse = self.impulse(&name, self.table(&name, source)?, key.span().start, &names)?;
-                form.impulses.push(impulse);
-            }
-        }
-        let mut walls = Vec::new();
-        if let Some(list) = root.get("wall") {
-            let DeValue::Array(entries) = list.get_ref() else {
-                return self.wrong(list.span().start, "wall", "each wall is a table [[wall]]");
-            };
-            for entry in entries {
-                walls.push(self.wall(entry, &names)?);
-            }
-        }
-        Ok(TextContent { form, names, walls })
+        Ok(Written {
+            text: self.0.to_owned(),
+            parameters: self.parameters(&root, &states)?,
+            interpretation: self.interpretation(&root)?,
+            drift: self.drift(&root, &states)?,
+            columns: self.each(&root, "noise", |name, process, _| self.by_state(process, (name, &[]), &states))?,
+            impulses: self.each(&root, "impulse", |name, source, place| self.impulse(name, source, place, &states))?,
+            walls: self.walls(&root, &states)?,
+            states,
+        })
     }
 }
 

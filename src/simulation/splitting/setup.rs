@@ -122,14 +122,9 @@ impl<'a> Splitting<'a> {
         Splitting { replicas, ..self }
     }
 
-    /// The time step h, as in [`Simulation::time_step`](crate::Simulation::time_step), but for the tail; 0.058/ω by default,
-    /// rounded down to two digits, with ω as at [`Simulation::sampling_interval`](crate::Simulation::sampling_interval): 0.02
-    /// for the oscillator below.
-    ///
-    /// The scheme moves energies by O(h²), and the density is an exponential of the energy: with the restoring force G′ and
-    /// E v² = T, its density at a displacement y is off by the relative amount −h² G′(y)²/24T or so, which standard errors do
-    /// not include. For x″ + 0.2 x′ + x + 0.3 x³ = ξ with D = 0.2 and h = 0.08 the density was measured 4.1 ± 1.3 % too low
-    /// at y = 3 and 7.6 ± 1.2 % at y = 3.5, which is 3·10⁻⁸ of the peak; for h = 0.02 that makes half a percent.
+    /// The time step h, as in [`Simulation::time_step`](crate::Simulation::time_step), but for the tail; 0.058/ω by default, with the system's
+    /// [fastest rate](crate::guide::method#the-simulation) ω, rounded down to two digits. With the restoring force G′ and E v² = T the density at
+    /// a displacement y is off by the relative amount −h² G′(y)²/24T or so, which standard errors do not include.
     pub fn time_step(self, time_step: f64) -> Self {
         Splitting { time_step: Some(time_step), ..self }
     }
@@ -141,9 +136,7 @@ impl<'a> Splitting<'a> {
     }
 
     /// The time that the particles take to fill the bins before they are measured, as long as the burn-in by default. Nothing is biased if it is
-    /// too short, but then few particles have arrived, and their weights differ so much that the standard errors of the
-    /// rarest states are unreliable; [`Tails::stationarity`](crate::Tails::stationarity) shows it. A tenth of it is one round
-    /// of the pilot that finds the thresholds.
+    /// too short, but the standard errors of the rarest states are then unreliable ([`Tails::stationarity`](crate::Tails::stationarity)).
     pub fn relaxation(self, relaxation: f64) -> Self {
         Splitting { relaxation: Some(relaxation), ..self }
     }
@@ -153,9 +146,8 @@ impl<'a> Splitting<'a> {
         Splitting { duration: Some(duration), ..self }
     }
 
-    /// The time between two resamplings, 0.29/ω by default, rounded to whole time steps: so short that few particles pass more
-    /// than one threshold in it. For the oscillator named at [`Splitting::time_step`], where it is 0.1, the variances with 0.04, 0.08, 0.2, 0.4
-    /// and 0.8 are 1.0, 1.0, 1.4, 2.5 and 10 times as large.
+    /// The time between two resamplings, 0.29/ω by default, rounded to whole time steps: so short that few particles pass more than one threshold
+    /// in it. Twice as long makes variances 1.4 times as large.
     pub fn resampling_interval(self, interval: f64) -> Self {
         Splitting { resampling_interval: Some(interval), ..self }
     }

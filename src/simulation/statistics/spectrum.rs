@@ -287,6 +287,24 @@ mod tests {
         }
     }
 
+    /// Parseval's identity: a path of ±1 whose sum over every segment vanishes has the mean square 1, which the densities of both
+    /// sides add up to.
+    #[test]
+    fn densities_add_up_to_the_mean_square() -> Result<()> {
+        let segments = Segments::new(0, 16, 0.5);
+        let (mut tally, mut path) = (segments.sums(), Vec::new());
+        let signs = [1.0, -1.0, -1.0, 1.0, 1.0, 1.0, -1.0, -1.0];
+        signs.iter().cycle().take(64).for_each(|x| tally.push(&segments, &mut path, *x));
+        let spectrum = Spectrum::new(segments, vec![tally.clone(), tally])?;
+        let (step, mut sum) = (TAU / (16.0 * 0.5), 0.0);
+        for j in 0..=8 {
+            let sides = if j % 8 == 0 { 1.0 } else { 2.0 };
+            sum += sides * spectrum.density(j)?.value * step;
+        }
+        assert!((sum - 1.0).abs() < 1e-13, "{sum}");
+        Ok(())
+    }
+
     /// A constant has neither spectrum nor covariance.
     #[test]
     fn a_mean_is_no_fluctuation() -> Result<()> {
