@@ -1,4 +1,4 @@
-//! Products of matrices with vectors, column by column, with the registers that the machine has.
+//! Products of matrices with vectors and sums of matrices, column by column, products with the registers that the machine has.
 
 use faer::Mat;
 use pulp::{Arch, NullaryFnOnce};
@@ -9,6 +9,14 @@ pub(super) const AT_ONCE: usize = 4;
 /// Adds the product of a matrix with a vector.
 pub(super) fn add_product(sum: &mut [f64], matrix: &Mat<f64>, x: &[f64]) {
     Arch::new().dispatch(ColumnProduct { sum, matrix, x });
+}
+
+/// Adds a multiple of a matrix, without another one for the multiple.
+pub(super) fn add_matrix(sum: &mut Mat<f64>, factor: f64, matrix: &Mat<f64>) {
+    for j in 0..matrix.ncols() {
+        let column = sum.col_as_slice_mut(j).iter_mut().zip(matrix.col_as_slice(j));
+        column.for_each(|(sum, entry)| *sum += factor * entry);
+    }
 }
 
 struct ColumnProduct<'a> {

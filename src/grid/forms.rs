@@ -13,6 +13,7 @@
 //! level λ = 0. Every integral of a polynomial is exact, and the bases are orthonormal: with the flux of λ's equation inserted,
 //! ∂p/∂t = −K p.
 
+use super::columns::add_matrix;
 use super::flux::{Flux, Part, Value};
 use super::legendre::LegendreTable;
 use super::mesh::Mesh;
@@ -39,11 +40,10 @@ pub(super) struct Matrices {
 impl Matrices {
     /// Adds `factor` times those of another part of the operator.
     pub(super) fn add(&mut self, factor: f64, other: &Self) {
-        let sum = |a: &mut Mat<f64>, b: &Mat<f64>| *a += faer::Scale(factor) * b;
-        sum(&mut self.inner, &other.inner);
-        sum(&mut self.inflow, &other.inflow);
-        sum(&mut self.outflow, &other.outflow);
-        self.faces.iter_mut().zip(&other.faces).for_each(|(a, b)| sum(a, b));
+        add_matrix(&mut self.inner, factor, &other.inner);
+        add_matrix(&mut self.inflow, factor, &other.inflow);
+        add_matrix(&mut self.outflow, factor, &other.outflow);
+        self.faces.iter_mut().zip(&other.faces).for_each(|(a, b)| add_matrix(a, factor, b));
     }
 
     /// The numbers in them.

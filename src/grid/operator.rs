@@ -1,6 +1,6 @@
 //! The discretised operator, ∂p/∂t = −K p: the matrices of all cells, and the factors of K + s.
 
-use super::columns::add_product;
+use super::columns::{add_matrix, add_product};
 use super::dissection::Front;
 use super::elimination::{Cells, Factored};
 use super::field::{GridField, add_multiple};
@@ -55,6 +55,8 @@ pub(super) struct Operator {
     pub(super) layout: Layout,
     pub(super) shape: Shape,
     pub(super) cells: Vec<Matrices>,
+    /// μ by λ of each face, from both sides. Where nothing passes it is 0, and λ without a meaning.
+    between: Vec<Mat<f64>>,
 }
 
 /// What makes a matrix regular.
@@ -85,7 +87,15 @@ impl Operator {
         let mesh = &layout.mesh;
         let forms = Forms::new(problem, mesh.origin, shape, part);
         let cells = parallel::map(mesh.cells.len(), |cell| forms.matrices(mesh, cell));
-        Operator { layout: layout.clone(), shape, cells }
+        let mut operator = Operator { layout: layout.clone(), shape, cells, between: Vec::new() };
+        let size = shape.face();
+        let mut between = vec![Mat::zeros(size, size); mesh.faces.len()];
+        for (cell, matrices) in operator.cells.iter().enumerate() {
+            let own = operator.faces(cell).zip(&matrices.faces);
+            own.for_each(|(at, block)| add_matrix(&mut between[at / size], 1.0, block));
+        }
+        operator.between = between;
+        operator
     }
 
     /// The derivative of the operator along a motion, on a mesh that stands still or moves with the walls.
@@ -168,16 +178,11 @@ impl Operator {
         sums
     }
 
-    /// μ by λ of each face, from both sides. Where nothing passes it is 0, and λ without a meaning.
+    /// μ by λ of each face, with `factor` times those of another part.
     fn between(&self, more: Option<(f64, &Self)>) -> Vec<Mat<f64>> {
-        let size = self.shape.face();
-        let mut blocks = vec![Mat::zeros(size, size); self.layout.mesh.faces.len()];
-        for (factor, part) in [(1.0, self)].into_iter().chain(more) {
-            for (cell, matrices) in part.cells.iter().enumerate() {
-                self.faces(cell)
-                    .zip(&matrices.faces)
-                    .for_each(|(at, block)| blocks[at / size] += faer::Scale(factor) * block);
-            }
+        let mut blocks = self.between.clone();
+        if let Some((factor, part)) = more {
+            blocks.iter_mut().zip(&part.between).for_each(|(block, part)| add_matrix(block, factor, part));
         }
         blocks
     }
