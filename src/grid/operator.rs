@@ -32,6 +32,11 @@ impl Layout {
         Layout { mesh: Arc::new(mesh), front: Arc::new(front) }
     }
 
+    /// The faces of a cell, in their order.
+    fn faces(&self, cell: usize) -> impl Iterator<Item = usize> + '_ {
+        self.mesh.segments[cell].iter().filter_map(|segment| segment.face)
+    }
+
     /// The numbers that matrices and factors of a degree take.
     pub(super) fn numbers(&self, shape: Shape) -> f64 {
         let (block, face) = (shape.block() as f64, shape.face() as f64);
@@ -87,15 +92,15 @@ impl Operator {
         let mesh = &layout.mesh;
         let forms = Forms::new(problem, mesh.origin, shape, part);
         let cells = parallel::map(mesh.cells.len(), |cell| forms.matrices(mesh, cell));
-        let mut operator = Operator { layout: layout.clone(), shape, cells, between: Vec::new() };
         let size = shape.face();
         let mut between = vec![Mat::zeros(size, size); mesh.faces.len()];
-        for (cell, matrices) in operator.cells.iter().enumerate() {
-            let own = operator.faces(cell).zip(&matrices.faces);
-            own.for_each(|(at, block)| add_matrix(&mut between[at / size], 1.0, block));
+        for (cell, matrices) in cells.iter().enumerate() {
+            layout
+                .faces(cell)
+                .zip(&matrices.faces)
+                .for_each(|(face, block)| add_matrix(&mut between[face], 1.0, block));
         }
-        operator.between = between;
-        operator
+        Operator { layout: layout.clone(), shape, cells, between }
     }
 
     /// The derivative of the operator along a motion, on a mesh that stands still or moves with the walls.
@@ -131,7 +136,7 @@ impl Operator {
     /// The places of a cell's faces among all faces' unknowns, in their order.
     fn faces(&self, cell: usize) -> impl Iterator<Item = usize> + '_ {
         let size = self.shape.face();
-        self.layout.mesh.segments[cell].iter().filter_map(move |segment| segment.face.map(|face| face * size))
+        self.layout.faces(cell).map(move |face| face * size)
     }
 
     /// What the unknowns of cells and faces make of the equations of cells and of faces.

@@ -148,7 +148,7 @@ impl<'a> Simulation<'a> {
 
     /// Whether moments and rates are [calibrated](crate::guide::method#the-simulation) by control variates; by default they are. Means of the
     /// generator, which are known to vanish, take off the part of a mean that is correlated with them: with a million samples that divides
-    /// standard errors of moments by 4 to 400, and takes the bias of the time step with it (`expoly-measure calibration`).
+    /// standard errors of moments by 4 to 390, and takes the bias of the time step with it (`expoly-measure calibration`).
     ///
     /// # Limits
     /// The generator's functions must have a mean: where the density falls like a power, high degrees have none. The degree from which on the
@@ -237,6 +237,7 @@ impl<'a> Simulation<'a> {
 
     /// Ends the run after the round, some hundredths of a second, in which so much wall-clock time is over, the choice of the time step and the
     /// pilot included. The number of samples then depends on the machine; the result is, bit for bit, that of a run of that many samples.
+    /// A pilot or a round that has not come to an end by then, or within a second if that is later, is given up.
     pub fn time_budget(self, budget: Duration) -> Self {
         Simulation { time_budget: Some(budget), ..self }
     }

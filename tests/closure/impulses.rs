@@ -162,11 +162,11 @@ fn impulses_are_followed_in_time() -> Result<()> {
             assert!((own.value - other.value).abs() < 4.0 * own.error.hypot(other.error), "{own} and {other}");
             assert!(marginal.l1 < estimate + 1.2 * marginal.noise && estimate < 0.6, "{marginal:?} {estimate:e}");
         }
-        // So early that e^−λt of all paths have met no impulse: the smaller part of the two is missed.
+        // So early that e^−λt of all paths have met no impulse: the smaller part of the two, 0.39, is missed.
         let early = Closure::new(2).pilot_states(8192).transient(&problem, Start::Gaussian(start), &[0.5 / rate])?;
         let estimate = early[0].density.l1_estimate();
         println!("early: {estimate}");
-        assert!((1.0 - (-0.5_f64).exp()..1.0).contains(&estimate), "{estimate}");
+        assert!((1.0 - (-0.5_f64).exp()..0.5).contains(&estimate), "{estimate}");
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! What the moment equations say of the stationary response: modes of relaxation, autocovariance, spectral density.
 
-use crate::common::moving::van_der_pol;
+use crate::common::moving::{two_wells, van_der_pol};
 use crate::common::*;
 use expoly::models::Linear;
 use expoly::{Closure, Grid, Relaxation, Result, Simulation};
@@ -30,7 +30,7 @@ fn a_linear_oscillator_relaxes_with_its_own_eigenvalues() {
 #[test]
 fn relaxation_rates_agree_with_those_of_a_grid() {
     let cases = [
-        ("Duffing", problem(duffing()), 3),
+        ("two wells", two_wells(), 2),
         ("van der Pol", van_der_pol(), 3),
         ("Duffing above a wall", duffing_above(-0.5, 0.8), 3),
     ];

@@ -51,16 +51,17 @@ fn modulated_noise_agrees_with_a_grid() {
     assert!(apart < estimate);
 }
 
-/// Next to a wall, against trajectories, which share nothing with it: moments are within four joint errors, and the marginal within the
-/// estimate and the noise.
+/// Next to a wall the distance from a grid of its own is 2.1e-3, which the estimate has; against trajectories, which share nothing with it,
+/// moments are within four joint errors, and the marginal within the estimate and the noise.
 #[test]
 fn walls_under_modulated_noise_agree_with_a_simulation() {
     let walled = problem(Duffing::new(0.2, 1.0, 0.3, 0.4).unwrap()).with_wall(Wall::above(-0.5, 0.8).unwrap()).unwrap();
     let course = || Course::from([0.7, 0.0]).under(Envelope::exponentials(1.3, 0.09, 1.49).unwrap());
     let found = Closure::new(6).transient(&walled, course(), &[2.5]).unwrap().remove(0).density;
     let estimate = found.l1_estimate();
-    assert!(estimate < 2.5e-3, "{estimate:e}");
-    let simulated = Simulation::new().trajectories(1 << 16).seed(1).transient(&walled, course(), &[2.5]).unwrap();
+    println!("estimate {estimate:.2e}");
+    assert!((1.9e-3..2.4e-3).contains(&estimate), "{estimate:e}");
+    let simulated = Simulation::new().trajectories(1 << 17).seed(1).transient(&walled, course(), &[2.5]).unwrap();
     let simulated = &simulated[0].density;
     let marginal = compare::with_histogram(&found, 0, simulated.histogram(0).unwrap()).unwrap();
     println!("{:.1e} of {:.1e} by noise", marginal.l1, marginal.noise);
