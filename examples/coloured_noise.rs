@@ -11,7 +11,7 @@
 
 use clap::Parser;
 use expoly::models::CubicDamping;
-use expoly::{Closure, Density, Estimate, Grid, Intensity, PolynomialDrift, Problem, Reference, Scalar, Simulation};
+use expoly::{Closure, Density, Drift, Estimate, Grid, Intensity, Problem, Reference, Scalar, Simulation};
 use std::{path::PathBuf, process::ExitCode};
 use support::figure::{Panel, Scale, Style, View, band, between, curve, error_bars, values, write_figure};
 
@@ -38,7 +38,7 @@ struct Filtered {
     intensity: Intensity,
 }
 
-impl PolynomialDrift<3, 1> for Filtered {
+impl Drift<3, 1> for Filtered {
     fn drift<S: Scalar>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
         [v, z - v * 0.1 - v.powi(3) * 0.3 - x - x.powi(3), -(z * self.bandwidth)]
     }

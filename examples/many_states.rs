@@ -8,7 +8,7 @@
 #![allow(clippy::print_stdout, reason = "an example prints its answer")]
 
 use clap::Parser;
-use expoly::{Closure, Density, Intensity, PolynomialSystem, Problem, Scalar, Simulation};
+use expoly::{Closure, Density, Intensity, Problem, Scalar, Simulation, System};
 use std::process::ExitCode;
 use support::progress::{simulation_bar, spinner};
 use support::text::{aligned, headed, origin, shown};
@@ -53,7 +53,7 @@ impl Chain {
     }
 }
 
-impl PolynomialSystem for Chain {
+impl System for Chain {
     fn dimension(&self) -> usize {
         2 * self.intensities.len()
     }

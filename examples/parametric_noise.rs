@@ -10,7 +10,7 @@
 
 use clap::Parser;
 use expoly::models::{DisplacementNoise, ParametricLinear, Solved};
-use expoly::{Closure, Density, Intensity, Interpretation, PolynomialDrift, Problem, Scalar, compare};
+use expoly::{Closure, Density, Drift, Intensity, Interpretation, Problem, Scalar, compare};
 use std::{path::PathBuf, process::ExitCode};
 use support::figure::{Panel, Scale, Style, View, between, curve, values, write_figure};
 
@@ -31,7 +31,7 @@ struct NoisyDamping {
     interpretation: Interpretation,
 }
 
-impl PolynomialDrift<2, 2> for NoisyDamping {
+impl Drift<2, 2> for NoisyDamping {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, -(v * (2.0 * DAMPING)) - x]
     }

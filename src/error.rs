@@ -99,7 +99,7 @@ pub enum Error {
     },
     /// A trajectory left every bound.
     #[error(
-        "trajectory {trajectory}{} exploded: its state was {state:?} at time {time}; either the drift has no stationary density or the time step {step} is too long for it",
+        "trajectory {trajectory}{} exploded: its state was {state:?} at time {time}; the drift has no stationary density, or no value there (a division by zero, a root of a negative number), or the time step {step} is too long for it",
         if *pilot { " of the pilot" } else { "" }
     )]
     Exploded {

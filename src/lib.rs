@@ -2,8 +2,8 @@
 //!
 //! # The library in one page
 //!
-//! A system dX = f(X) dt + G(X) dW, perhaps under Poisson impulses ([`PoissonImpulses`]) too, is a [`PolynomialDrift`], an [`Oscillator`] for x″ + h(x, x′) = ξ, or a [`PolynomialSystem`]
-//! of any size. A [`Problem`] is that system as data, with its walls; every method takes one:
+//! A system dX = f(X) dt + G(X) dW, perhaps under Poisson impulses ([`PoissonImpulses`]) too, is a [`Drift`], an [`Oscillator`] for x″ + h(x, x′) = ξ, or a [`System`]
+//! of any size, written over [`Scalar`]: polynomials, and functions such as sines and moduli. A [`Problem`] is that system as data, with its walls; every method takes one:
 //!
 //! | question | where |
 //! |---|---|
@@ -27,6 +27,7 @@ mod closed_form;
 mod closure;
 pub mod compare;
 mod density;
+mod elementary;
 mod envelope;
 mod error;
 mod estimate;
@@ -62,6 +63,7 @@ pub use closure::{
     Solution, Termination, Weight,
 };
 pub use density::{Crossing, Density, ExpPolynomial, Support};
+pub use elementary::Elementary;
 pub use envelope::Envelope;
 pub use error::{Error, Result};
 pub use estimate::Estimate;
@@ -69,19 +71,16 @@ pub use fokker_planck::{FokkerPlanck, Impulse};
 pub use grid::{Grid, GridDensity, GridProgress, GridSensitivity, Survival};
 pub use method::Method;
 pub use polynomial::{Gaussian, Polynomial};
-pub use problem::{Definition, Problem};
+pub use problem::{Definition, Problem, Surface};
 pub use provenance::{Provenance, Stopped};
 pub use scalar::Scalar;
-#[doc(hidden)]
-pub use scalar::Transcendental;
 pub use sensitivity::Sensitivity;
 pub use simulation::{
     FirstPassage, Histogram, Progress, SimulatedDensity, Simulation, Spectrum, Splitting, Tails, Tolerance,
 };
 pub use states::States;
 pub use system::{
-    Amplitude, Intensity, Interpretation, Oscillator, Parameter, Parameters, Parametric, PoissonImpulses,
-    PolynomialDrift, PolynomialSystem,
+    Amplitude, Drift, Intensity, Interpretation, Oscillator, Parameter, Parameters, Parametric, PoissonImpulses, System,
 };
 pub use transient::{Course, Relaxation, Start, Transient};
 pub use walls::Wall;

@@ -1,5 +1,6 @@
 //! The numbers that a drift is written in.
 
+use crate::elementary::Elementary;
 use num_dual::DualNum;
 use num_traits::{One, Zero};
 use std::fmt::Debug;
@@ -16,27 +17,33 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// It is a commutative ring with the real numbers in it, in the terms of [`num_traits`]: [`Zero`] and [`One`] bring addition
 /// and multiplication.
 ///
-/// A state can be added, subtracted and multiplied, and raised to a whole power. Numbers, and parameters of the type `P`, may
+/// A state can be added, subtracted, multiplied and divided, and raised to a power. Numbers, and parameters of the type `P`, may
 /// stand to the *right* of an operator (`x * 2.0`, `x / 3.0`): Rust has no `2.0 * x` for a generic type. Parameters are numbers
 /// unless answers are to be differentiated by them ([`Parametric`](crate::Parametric)).
 ///
-/// There is no division by a state and no transcendental function, so that every drift that compiles is a polynomial, as the
-/// closure's exact integrals require. A quotient of states is refused, because only a number may divide:
+/// A drift of sums, products and whole powers is a polynomial, and all that can be exact is. Other forces have the functions below.
+/// There is no comparison, and so no branch: a force that changes where a state passes a place is written with
+/// [`Scalar::abs`], [`Scalar::sign`], [`Scalar::positive`] or [`Scalar::step`], by which the methods find that place.
 ///
-/// ```compile_fail,E0308
-/// use expoly::Scalar;
-/// fn drift<S: Scalar>(x: S, v: S) -> S {
-///     x / v // expected `f64`, found type parameter `S`
-/// }
 /// ```
+/// use expoly::{Intensity, Oscillator, Problem, Scalar};
 ///
-/// and so is a sine, with the reason:
+/// /// Dry friction, and a stop that begins at x = ½.
+/// struct Sliding(Intensity);
 ///
-/// ```compile_fail,E0277
-/// use expoly::Scalar;
-/// fn drift<S: Scalar>(x: S) -> S {
-///     x.sin() // a drift is a polynomial: `S` has no sine, root or exponential
+/// impl Oscillator for Sliding {
+///     fn force<S: Scalar>(&self, x: S, v: S) -> S {
+///         v * 0.1 + v.sign() * 0.2 + x + (x - 0.5).positive() * 3.0
+///     }
+///     fn intensity(&self) -> Intensity {
+///         self.0
+///     }
 /// }
+///
+/// let problem = Problem::of(Sliding(Intensity::new(0.2)?))?;
+/// let force = problem.drift()[1].text(problem.states()).to_string();
+/// assert_eq!(force, "- x - 0.1 v - 3 pos(- 0.5 + x) - 0.2 sign(v)");
+/// # Ok::<(), expoly::Error>(())
 /// ```
 #[diagnostic::on_unimplemented(
     message = "a drift cannot be evaluated on `{Self}`",
@@ -50,6 +57,7 @@ pub trait Scalar<P = f64>:
     + One
     + Neg<Output = Self>
     + Sub<Output = Self>
+    + Div<Output = Self>
     + Add<f64, Output = Self>
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
@@ -60,67 +68,118 @@ pub trait Scalar<P = f64>:
     + Mul<P, Output = Self>
     + Div<P, Output = Self>
 {
+    /// An elementary function of it.
+    fn elementary(self, function: Elementary) -> Self;
+
     /// The whole power xⁿ, by repeated squaring; x⁰ = 1.
     #[inline]
     fn powi(self, exponent: u32) -> Self {
         num_traits::pow(self, exponent as usize)
     }
 
-    /// Refused: a sine is not a polynomial.
-    #[doc(hidden)]
-    fn sin(self) -> Self
-    where
-        Self: Transcendental,
-    {
-        self
+    /// The power xᵖ, of a number above 0 unless p is whole.
+    #[inline]
+    fn powf(self, exponent: f64) -> Self {
+        self.elementary(Elementary::Power(exponent))
     }
 
-    /// Refused: a cosine is not a polynomial.
-    #[doc(hidden)]
-    fn cos(self) -> Self
-    where
-        Self: Transcendental,
-    {
-        self
+    /// The root, of a number that is not below 0.
+    #[inline]
+    fn sqrt(self) -> Self {
+        self.elementary(Elementary::Power(0.5))
     }
 
-    /// Refused: an exponential is not a polynomial.
-    #[doc(hidden)]
-    fn exp(self) -> Self
-    where
-        Self: Transcendental,
-    {
-        self
+    /// The sine.
+    #[inline]
+    fn sin(self) -> Self {
+        self.elementary(Elementary::Sin)
     }
 
-    /// Refused: a root is not a polynomial.
-    #[doc(hidden)]
-    fn sqrt(self) -> Self
-    where
-        Self: Transcendental,
-    {
-        self
+    /// The cosine.
+    #[inline]
+    fn cos(self) -> Self {
+        self.elementary(Elementary::Cos)
     }
 
-    /// Refused: a modulus is not a polynomial. A one-sided wall is a [`Wall`](crate::Wall).
-    #[doc(hidden)]
-    fn abs(self) -> Self
-    where
-        Self: Transcendental,
-    {
-        self
+    /// The tangent.
+    #[inline]
+    fn tan(self) -> Self {
+        Scalar::sin(self) / Scalar::cos(self)
+    }
+
+    /// The hyperbolic tangent.
+    #[inline]
+    fn tanh(self) -> Self {
+        self.elementary(Elementary::Tanh)
+    }
+
+    /// The arc tangent.
+    #[inline]
+    fn atan(self) -> Self {
+        self.elementary(Elementary::Atan)
+    }
+
+    /// The exponential.
+    #[inline]
+    fn exp(self) -> Self {
+        self.elementary(Elementary::Exp)
+    }
+
+    /// The natural logarithm, of a number above 0.
+    #[inline]
+    fn ln(self) -> Self {
+        self.elementary(Elementary::Ln)
+    }
+
+    /// |x|.
+    #[inline]
+    fn abs(self) -> Self {
+        self.elementary(Elementary::Abs)
+    }
+
+    /// −1 below 0, 1 above, and 0 at 0.
+    #[inline]
+    fn sign(self) -> Self {
+        self.elementary(Elementary::Sign)
+    }
+
+    /// 0 below 0, 1 above, and ½ at 0.
+    #[inline]
+    fn step(self) -> Self {
+        self.elementary(Elementary::PositivePower(0.0))
+    }
+
+    /// max(x, 0): a spring with a clearance.
+    #[inline]
+    fn positive(self) -> Self {
+        self.elementary(Elementary::PositivePower(1.0))
+    }
+
+    /// max(x, 0)ᵖ for p > 0: 3/2 for Hertz's contact.
+    #[inline]
+    fn positive_power(self, exponent: f64) -> Self {
+        self.elementary(Elementary::PositivePower(exponent))
+    }
+
+    /// The larger of two.
+    #[inline]
+    fn max(self, other: Self) -> Self {
+        other + Scalar::positive(self - other)
+    }
+
+    /// The smaller of two.
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        self - Scalar::positive(self - other)
     }
 }
 
-/// Implemented by nothing: the bound of the functions that a polynomial drift may not contain, there for its message.
-#[doc(hidden)]
-#[diagnostic::on_unimplemented(
-    message = "a drift is a polynomial: `{Self}` has no sine, root, modulus or exponential",
-    note = "write the drift with `+`, `-`, `*` and `powi`, or replace the function by its Taylor or Chebyshev polynomial"
-)]
-pub trait Transcendental {}
-
-impl<T: DualNum<Primitive = f64> + Copy> Scalar for T {}
+impl<T: DualNum<Primitive = f64> + Copy> Scalar for T {
+    #[inline]
+    fn elementary(self, function: Elementary) -> Self {
+        function.of(self)
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -8,6 +8,7 @@
 mod answers;
 mod closure;
 mod common;
+mod forces;
 mod grid;
 mod inverse;
 mod pins;

@@ -124,7 +124,7 @@ fn of_closure<'a>(density: &'a ClosureDensity, names: &'a [String]) -> Result<Fo
         None => density.domain().map_or_else(Domain::Ellipsoid, Domain::Star),
     };
     let within = |x: &[f64]| density.contains(x)?.then(|| density.log_pdf(x)).transpose();
-    let powers = match density.log_polynomial() {
+    let powers = match density.log_polynomial().filter(Polynomial::is_plain) {
         Some(polynomial) if as_exact(&polynomial, &bounds, within)? => Some(polynomial),
         _ => None,
     };
@@ -145,6 +145,10 @@ fn in_functions(density: &ClosureDensity) -> Result<Written<'_>> {
     let mut corners: Vec<CornerFormula<'_>> = space.corners().iter().map(corner).collect();
     let mut terms = Vec::new();
     for (kink, polynomials, a) in space.terms(&exponent.coefficients) {
+        if !polynomials.folds().is_empty() {
+            let reason = "its functions have kinks where the drift has them; take LaTeX, or save it as JSON";
+            return Err(Error::NotKnown { what: "its text in a language".into(), remedy: reason });
+        }
         let own = polynomials.exponents().iter().cloned().zip(a.iter().copied());
         match kink {
             None => terms.extend(own),

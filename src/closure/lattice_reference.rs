@@ -39,7 +39,8 @@ impl SampledSystem {
         let (centre, _) = pilot.spread(symmetry);
         let domain = TrustDomain::new(pilot, symmetry, centre.clone(), [None, None], WIDENING);
         let half_width = functions.box_around()[1].to_vec();
-        let family = Smooth { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width };
+        let family =
+            Smooth { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width, folds: Vec::new() };
         let (lattice, nodes) = guess.lattice.as_ref().ok_or(coarse)?;
         let functions = family.functions(family.reference_degree(order)).len();
         if functions > MOST_FUNCTIONS {

@@ -99,11 +99,20 @@ impl Closure {
             return Err(Error::NotServed { method: METHOD, what, remedy });
         }
         if dimension > 2 || self.reference == Reference::States {
+            problem.require_no_ends(METHOD)?;
             return self.on_states(problem, settles, begin);
         }
         let plan = PilotPlan::new(problem, self.seed, settles)?;
         let pilot = plan.pilot(self.states.unwrap_or(STATES), 1.0)?;
-        if self.reference == Reference::Equations || !problem.impulses().is_empty() {
+        let bent = problem.is_bent();
+        if bent && (self.reference == Reference::Equations || !problem.impulses().is_empty()) {
+            let what = "moment equations where the drift has a kink or a jump";
+            let remedy = "leave out `reference`, or take the simulation under impulses";
+            return Err(Error::NotServed { method: METHOD, what, remedy });
+        }
+        if bent {
+            self.by_grid(problem, None, begin)
+        } else if self.reference == Reference::Equations || !problem.impulses().is_empty() {
             self.by_equations(problem, (&plan, &pilot), begin)
         } else {
             self.by_either(problem, (&plan, &pilot), begin)
@@ -164,7 +173,7 @@ impl Closure {
         let heavy = inflated.inflation > 1.0 && inflated.kurtosis() > HEAVY;
         let symmetry = problem.symmetry();
         let (centre, half_width) = inflated.spread(&symmetry);
-        let family = Smooth { degrees: self.degrees.clone(), symmetry, centre, half_width };
+        let family = Smooth { degrees: self.degrees.clone(), symmetry, centre, half_width, folds: Vec::new() };
         let discretisation =
             if heavy { None } else { Discretisation::new(problem, [own, inflated], family, self.highest()) };
         let rare = is_rare(problem, own);
@@ -196,6 +205,7 @@ impl Closure {
                 return Err(Error::NotServed { method: METHOD, what, remedy });
             }
             Reference::Grid => return self.by_grid(problem, None, begin),
+            Reference::Automatic if problem.is_bent() => return self.by_grid(problem, None, begin),
             Reference::Automatic | Reference::Equations => {}
         }
         // The pilot has one wall, below the motion: its states beyond a second wall are left out, and for a single wall above

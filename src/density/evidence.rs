@@ -1,5 +1,6 @@
 use crate::error::Result;
 use crate::estimate::Estimate;
+use crate::problem::Surface;
 use crate::states::States;
 use crate::walls::Wall;
 use std::fmt::Debug;
@@ -26,6 +27,11 @@ pub trait Evidence {
 
     /// The walls that oscillators of a plane graze, each with the noise intensity D at (b, 0), where ln p is not smooth.
     fn grazed_walls(&self) -> Vec<(Wall, f64)> {
+        Vec::new()
+    }
+
+    /// The places of single states where ln p has a kink, since the drift has a kink or a jump there.
+    fn surfaces(&self) -> Vec<Surface> {
         Vec::new()
     }
 

@@ -3,19 +3,19 @@
 use super::flow::{KickLanes, Kicks, kick, midpoint, runge_kutta};
 use super::{Field, LANES, Lane};
 use crate::fokker_planck::Local;
-use crate::system::PolynomialDrift;
+use crate::system::Drift;
 use num_dual::{Dual, Dual64, DualNum, HyperDual64};
 use num_traits::Zero;
 use pulp::{Arch, NullaryFnOnce};
 
-/// A [`PolynomialDrift`].
+/// A [`Drift`].
 pub(crate) struct Fixed<T, const N: usize, const M: usize> {
     pub(crate) system: T,
     /// Whether the noise induces a drift, as Stratonovich's does where it depends on the state.
     pub(crate) induces: bool,
 }
 
-impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Fixed<T, N, M> {
+impl<T: Drift<N, M>, const N: usize, const M: usize> Fixed<T, N, M> {
     /// The Itô drift on any dual number.
     fn ito<S: DualNum<Primitive = f64> + Copy>(&self, x: [S; N]) -> [S; N] {
         let mut drift = self.system.drift(x);
@@ -82,7 +82,7 @@ struct OnFlow<'a, T, const N: usize, const M: usize> {
     to: &'a mut [Lane],
 }
 
-impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> OnFlow<'_, T, N, M> {
+impl<T: Drift<N, M>, const N: usize, const M: usize> OnFlow<'_, T, N, M> {
     /// Column k, by a choice and not by an index, so that the other columns need no memory.
     #[inline(always)]
     fn column(&self, x: [f64; N]) -> [f64; N] {
@@ -97,7 +97,7 @@ impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> OnFlow<'_, T, N, 
     }
 }
 
-impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> NullaryFnOnce for OnFlow<'_, T, N, M> {
+impl<T: Drift<N, M>, const N: usize, const M: usize> NullaryFnOnce for OnFlow<'_, T, N, M> {
     type Output = ();
 
     #[inline(always)]
@@ -161,7 +161,7 @@ impl<D: Fn([f64; N]) -> [f64; N], const N: usize, const M: usize> KickLanes for 
     }
 }
 
-impl<T: PolynomialDrift<N, M>, const N: usize, const M: usize> Field for Fixed<T, N, M> {
+impl<T: Drift<N, M>, const N: usize, const M: usize> Field for Fixed<T, N, M> {
     fn noise(&self, arch: Arch, k: usize, x: &[Lane], column: &mut [Lane]) {
         let entries = |x| self.system.noise(x).map(|row| row[k]);
         arch.dispatch(OnLanes { x, values: column, function: entries });

@@ -13,6 +13,8 @@ pub(crate) struct Kicks<'a> {
     pub(crate) pairs: &'a [(usize, usize)],
     /// G, by rows.
     pub(crate) noise: &'a [f64],
+    /// The factor that the increments have beside the root of the time step.
+    pub(crate) gain: f64,
     /// The walls that interrupt the steps; without a list each kick does.
     pub(crate) walls: Option<&'a [Nearness]>,
     /// The number of kicks.

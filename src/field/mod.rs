@@ -1,8 +1,10 @@
 //! The user's own definition behind a trait object: nothing outside this folder is compiled for a user's type.
 //!
 //! - `fixed`: systems of arrays; `polynomials`: systems that are given as polynomials;
+//! - `bridge`: noise across a jump of the drift, and next to a reflecting end;
 //! - `flow`: the short flows and kicks that steps in time are made of.
 
+mod bridge;
 mod fixed;
 mod flow;
 mod polynomials;
@@ -11,6 +13,7 @@ use crate::fokker_planck::Local;
 use crate::numerics::Lanes;
 use pulp::Arch;
 
+pub(crate) use bridge::{Bridge, BridgeKind};
 pub(crate) use fixed::Fixed;
 pub(crate) use flow::{Addition, Kicks, Nearness, near};
 pub(crate) use polynomials::PolynomialField;

@@ -1,26 +1,31 @@
-//! Systems that are given as polynomials: sums of products, at all lanes at once and without a vector of their own.
+//! Systems that are given as polynomials, and functions of them: sums of products, at all lanes at once.
 
 use super::flow::{KickLanes, Kicks};
-use super::{Field, LANES, Lane};
+use super::{Bridge, Field, Lane};
+use crate::elementary::Elementary;
 use crate::fokker_planck::{Local, noise_induced_drift};
-use crate::numerics::Lanes;
-use crate::polynomial::Polynomial;
+use crate::numerics::Number;
+use crate::polynomial::{FunctionOf, Polynomial};
 use pulp::{Arch, NullaryFnOnce};
 
 /// The polynomials of a system, and the derivatives that are asked of it.
 pub(crate) struct PolynomialField {
-    /// The drift as written, ½ Σ_k (G_k·∇)G_k, and the Itô drift f.
-    drift: Vec<Sum>,
-    along: Vec<Sum>,
-    ito: Vec<Sum>,
+    /// The drift as written, and after it ½ Σ_k (G_k·∇)G_k.
+    drift: Sums,
+    /// The Itô drift f.
+    ito: Sums,
     /// The columns of G.
-    columns: Vec<Vec<Sum>>,
-    divergence: Sum,
+    columns: Vec<Sums>,
+    divergence: Sums,
     /// ∂f_i/∂x_j and, of each noise, ∂G_i/∂x_j, by rows.
-    slopes: Vec<Sum>,
-    noise_slopes: Vec<Sum>,
-    /// B_ij, ∂_jB_ij and ∂_i∂_jB_ij, by rows.
-    diffusion: Vec<[Sum; 3]>,
+    slopes: Sums,
+    noise_slopes: Sums,
+    /// B_ij, ∂_jB_ij and ∂_i∂_jB_ij, by rows, and the first alone.
+    derivatives: Sums,
+    diffusion: Sums,
+    /// Where noise and a jump of the drift act together, and half of each jump.
+    bridges: Vec<Bridge>,
+    pushes: Sums,
 }
 
 impl PolynomialField {
@@ -31,35 +36,69 @@ impl PolynomialField {
         let with = |(f, induced): (&Polynomial, &Polynomial)| if induces { f + induced } else { f.clone() };
         let ito: Vec<Polynomial> = drift.iter().zip(&along).map(with).collect();
         let pairs = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        let b = |(i, j): (usize, usize)| {
-            let b = columns.iter().fold(Polynomial::zero(n), |sum, g| sum + &g[i] * &g[j]);
+        let b = |(i, j): (usize, usize)| columns.iter().fold(Polynomial::zero(n), |sum, g| sum + &g[i] * &g[j]);
+        let diffusion: Vec<Polynomial> = pairs().map(b).collect();
+        let derivatives = |((i, j), b): ((usize, usize), &Polynomial)| {
             let slope = b.derivative(j);
-            [&b, &slope, &slope.derivative(i)].map(Sum::of)
+            let bend = slope.derivative(i);
+            [b.clone(), slope, bend]
         };
+        let derivatives: Vec<Polynomial> = pairs().zip(&diffusion).flat_map(derivatives).collect();
         let divergence = (0..n).fold(Polynomial::zero(n), |sum, i| sum + ito[i].derivative(i));
-        let slopes_of = |g: &[Polynomial]| pairs().map(|(i, j)| Sum::of(&g[i].derivative(j))).collect::<Vec<_>>();
-        let sums = |all: &[Polynomial]| all.iter().map(Sum::of).collect();
+        let slopes_of = |g: &[Polynomial]| pairs().map(|(i, j)| g[i].derivative(j)).collect::<Vec<_>>();
+        let noise_slopes: Vec<Polynomial> = columns.iter().flat_map(|column| slopes_of(column)).collect();
         PolynomialField {
-            drift: sums(drift),
-            along: sums(&along),
-            columns: columns.iter().map(|column| sums(column)).collect(),
-            divergence: Sum::of(&divergence),
-            slopes: slopes_of(&ito),
-            noise_slopes: columns.iter().flat_map(|column| slopes_of(column)).collect(),
-            diffusion: pairs().map(b).collect(),
-            ito: sums(&ito),
+            drift: Sums::of(n, &[drift, &along].concat()),
+            columns: columns.iter().map(|column| Sums::of(n, column)).collect(),
+            divergence: Sums::of(n, &[divergence]),
+            slopes: Sums::of(n, &slopes_of(&ito)),
+            noise_slopes: Sums::of(n, &noise_slopes),
+            derivatives: Sums::of(n, &derivatives),
+            diffusion: Sums::of(n, &diffusion),
+            bridges: Vec::new(),
+            pushes: Sums::of(n, &[]),
+            ito: Sums::of(n, &ito),
+        }
+    }
+
+    /// The same whose short steps take some jumps of the drift, and reflecting ends, together with the noise, which is the same
+    /// everywhere; `rest` is the drift without the `pushes` of the bridges.
+    pub(crate) fn bridged(self, bridges: Vec<Bridge>, pushes: &[Polynomial], rest: &[Polynomial]) -> Self {
+        if bridges.is_empty() {
+            return self;
+        }
+        let n = rest.len();
+        let along = vec![Polynomial::zero(n); n];
+        let drift = Sums::of(n, &[rest, &along].concat());
+        PolynomialField { bridges, pushes: Sums::of(n, pushes), drift, ..self }
+    }
+
+    /// Adds the noise to the states, with what acts together with it.
+    #[inline(never)]
+    fn cross<T: Number>(&self, x: &mut [T], w: &[T], kicks: &Kicks<'_>) {
+        let mut pushes = vec![T::everywhere(0.0); self.bridges.len()];
+        self.pushes.on_all(x, &mut pushes, &mut Vec::new());
+        let before = x.to_vec();
+        add_noise(x, w, kicks.noise);
+        for (bridge, push) in self.bridges.iter().zip(pushes) {
+            let row = &kicks.noise[bridge.state * w.len()..][..w.len()];
+            let variance = kicks.step * kicks.gain * kicks.gain * row.iter().map(|g| g * g).sum::<f64>();
+            let (from, to) = (before[bridge.state], x[bridge.state]);
+            x[bridge.state] =
+                T::from_points(|l| bridge.moved(from.at(l), to.at(l) - from.at(l), push.at(l) * kicks.step, variance));
         }
     }
 
     /// Adds the drift at the states `at`, over the time `tau`, to `x`.
     #[inline(always)]
-    fn drive<const L: usize>(&self, at: &[Lanes<L>], tau: f64, moved: &[f64], induced: f64, x: &mut [Lanes<L>]) {
+    fn drive<T: Number>(&self, at: &[T], (tau, moved, induced): Duration<'_>, x: &mut [T], room: &mut Vec<T>) {
+        let (factors, [drift, along]) = (self.drift.factors(at, room), self.drift.halves());
         for (i, x) in x.iter_mut().enumerate() {
             let tau = tau * moved[i];
             if tau != 0.0 {
-                let mut slope = self.drift[i].on(at);
+                let mut slope = drift[i].on(factors);
                 if induced != 0.0 {
-                    slope += self.along[i].on(at) * induced;
+                    slope += along[i].on(factors) * induced;
                 }
                 *x += slope * tau;
             }
@@ -68,35 +107,50 @@ impl PolynomialField {
 
     /// The flow of the drift, by the explicit midpoint rule.
     #[inline(always)]
-    fn flow<const L: usize>(&self, x: &mut [Lanes<L>], tau: f64, moved: &[f64], induced: f64, middle: &mut [Lanes<L>]) {
-        middle.copy_from_slice(x);
-        self.drive(x, tau / 2.0, moved, induced, middle);
-        self.drive(middle, tau, moved, induced, x);
+    fn flow<T: Number>(&self, x: &mut [T], (tau, moved, induced): Duration<'_>, [middle, room]: [&mut Vec<T>; 2]) {
+        middle.clear();
+        middle.extend_from_slice(x);
+        self.drive(x, (tau / 2.0, moved, induced), middle, room);
+        self.drive(middle, (tau, moved, induced), x, room);
     }
 }
 
-/// A kick under noise that is the same everywhere, with room for a state.
-struct PolynomialKick<'a, const L: usize> {
+/// A time, the states that move in it, and the multiple of the drift that noise induces.
+type Duration<'a> = (f64, &'a [f64], f64);
+
+/// A kick under noise that is the same everywhere, with room for a state and for functions of it.
+struct PolynomialKick<'a, T> {
     field: &'a PolynomialField,
     kicks: &'a Kicks<'a>,
-    middle: &'a mut [Lanes<L>],
+    room: [&'a mut Vec<T>; 2],
 }
 
-impl<const L: usize> PolynomialKick<'_, L> {
+impl<T: Number> PolynomialKick<'_, T> {
     #[inline(always)]
-    fn on(&mut self, x: &mut [Lanes<L>], w: &[Lanes<L>]) {
-        let PolynomialKick { field, kicks, middle } = self;
-        field.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
-        for (x, noise) in x.iter_mut().zip(kicks.noise.chunks_exact(w.len().max(1))) {
-            for (w, g) in w.iter().zip(noise) {
-                *x += *w * *g;
-            }
+    fn on(&mut self, x: &mut [T], w: &[T]) {
+        let PolynomialKick { field, kicks, room: [middle, room] } = self;
+        let half = (kicks.step / 2.0, kicks.moved, 0.0);
+        field.flow(x, half, [middle, room]);
+        if field.bridges.is_empty() {
+            add_noise(x, w, kicks.noise);
+        } else {
+            field.cross(x, w, kicks);
         }
-        field.flow(x, kicks.step / 2.0, kicks.moved, 0.0, middle);
+        field.flow(x, half, [middle, room]);
     }
 }
 
-impl KickLanes for PolynomialKick<'_, LANES> {
+/// Adds G w.
+#[inline(always)]
+fn add_noise<T: Number>(x: &mut [T], w: &[T], noise: &[f64]) {
+    for (x, noise) in x.iter_mut().zip(noise.chunks_exact(w.len().max(1))) {
+        for (w, g) in w.iter().zip(noise) {
+            *x += *w * *g;
+        }
+    }
+}
+
+impl KickLanes for PolynomialKick<'_, Lane> {
     #[inline(always)]
     fn kick(&mut self, x: &mut [Lane], w: &[Lane]) {
         self.on(x, w);
@@ -106,7 +160,7 @@ impl KickLanes for PolynomialKick<'_, LANES> {
 /// Sums at all lanes, with the registers that the call is compiled for. This and the calls below are no closures, which the
 /// compiler leaves as functions of their own, for registers of two numbers, where they are long.
 struct SumsOnLanes<'a> {
-    sums: &'a [Sum],
+    sums: &'a Sums,
     x: &'a [Lane],
     values: &'a mut [Lane],
 }
@@ -116,13 +170,13 @@ impl NullaryFnOnce for SumsOnLanes<'_> {
 
     #[inline(always)]
     fn call(self) {
-        on_all(self.sums, self.x, self.values);
+        self.sums.on_all(self.x, self.values, &mut Vec::new());
     }
 }
 
 /// The flow of a column of G at all lanes, with room for two states.
 struct NoiseFlowOnLanes<'a> {
-    column: &'a [Sum],
+    column: &'a Sums,
     x: &'a [Lane],
     s: &'a Lane,
     room: [&'a mut [Lane]; 2],
@@ -137,8 +191,9 @@ impl NullaryFnOnce for NoiseFlowOnLanes<'_> {
         let NoiseFlowOnLanes { column, x, s, room: [slope, at], to } = self;
         to.copy_from_slice(x);
         at.copy_from_slice(x);
+        let mut room = Vec::new();
         for (share, next) in [(1.0 / 6.0, 0.5), (1.0 / 3.0, 0.5), (1.0 / 3.0, 1.0), (1.0 / 6.0, 0.0)] {
-            on_all(column, at, slope);
+            column.on_all(at, slope, &mut room);
             for (i, slope) in slope.iter().enumerate() {
                 to[i] += *s * share * *slope;
                 at[i] = x[i] + *s * next * *slope;
@@ -154,7 +209,7 @@ struct DriftFlowOnLanes<'a> {
     tau: f64,
     moved: &'a [f64],
     induced: f64,
-    middle: &'a mut [Lane],
+    room: [&'a mut Vec<Lane>; 2],
 }
 
 impl NullaryFnOnce for DriftFlowOnLanes<'_> {
@@ -162,7 +217,7 @@ impl NullaryFnOnce for DriftFlowOnLanes<'_> {
 
     #[inline(always)]
     fn call(self) {
-        self.field.flow(self.x, self.tau, self.moved, self.induced, self.middle);
+        self.field.flow(self.x, (self.tau, self.moved, self.induced), self.room);
     }
 }
 
@@ -170,7 +225,7 @@ impl NullaryFnOnce for DriftFlowOnLanes<'_> {
 struct KicksOnLanes<'a> {
     x: &'a mut [Lane],
     w: &'a [Lane],
-    kick: PolynomialKick<'a, LANES>,
+    kick: PolynomialKick<'a, Lane>,
 }
 
 impl NullaryFnOnce for KicksOnLanes<'_> {
@@ -195,23 +250,23 @@ impl Field for PolynomialField {
 
     fn drift_flow(&self, arch: Arch, x: &[Lane], tau: f64, moved: &[f64], induced: f64, to: &mut [Lane]) {
         to.copy_from_slice(x);
-        let middle = &mut vec![Lane::ZERO; x.len()];
-        arch.dispatch(DriftFlowOnLanes { field: self, x: to, tau, moved, induced, middle });
+        let [mut middle, mut functions] = [Vec::with_capacity(x.len()), Vec::new()];
+        let room = [&mut middle, &mut functions];
+        arch.dispatch(DriftFlowOnLanes { field: self, x: to, tau, moved, induced, room });
     }
 
     fn kicks(&self, arch: Arch, x: &mut [Lane], w: &[Lane], kicks: &Kicks<'_>) -> (usize, bool) {
-        let middle = &mut vec![Lane::ZERO; x.len()];
-        arch.dispatch(KicksOnLanes { x, w, kick: PolynomialKick { field: self, kicks, middle } })
+        let [mut middle, mut functions] = [Vec::with_capacity(x.len()), Vec::new()];
+        let room = [&mut middle, &mut functions];
+        arch.dispatch(KicksOnLanes { x, w, kick: PolynomialKick { field: self, kicks, room } })
     }
 
     fn kick(&self, x: &mut [f64], w: &[f64], kicks: &Kicks<'_>) {
-        let [mut one, w] = [&*x, w].map(|values| values.iter().map(|&value| Lanes([value])).collect::<Vec<_>>());
-        PolynomialKick { field: self, kicks, middle: &mut vec![Lanes::ZERO; x.len()] }.on(&mut one, &w);
-        x.iter_mut().zip(one).for_each(|(x, one)| *x = one[0]);
+        PolynomialKick { field: self, kicks, room: [&mut Vec::new(), &mut Vec::new()] }.on(x, w);
     }
 
     fn ito_drift(&self, x: &[f64], drift: &mut [f64]) {
-        drift.iter_mut().zip(&self.ito).for_each(|(f, sum)| *f = sum.at(x));
+        self.ito.on_all(x, drift, &mut Vec::new());
     }
 
     fn ito_drifts(&self, arch: Arch, x: &[Lane], drift: &mut [Lane]) {
@@ -219,71 +274,123 @@ impl Field for PolynomialField {
     }
 
     fn divergence(&self, x: &[f64]) -> f64 {
-        self.divergence.at(x)
+        let mut divergence = [0.0];
+        self.divergence.on_all(x, &mut divergence, &mut Vec::new());
+        divergence[0]
     }
 
     fn diffusion(&self, x: &[f64], diffusion: &mut [f64]) {
-        diffusion.iter_mut().zip(&self.diffusion).for_each(|(b, [sum, ..])| *b = sum.at(x));
+        self.diffusion.on_all(x, diffusion, &mut Vec::new());
     }
 
     fn diffusion_derivatives(&self, x: &[f64], local: &mut Local) {
         local.diffusion_divergence.fill(0.0);
         local.diffusion_curvature = 0.0;
-        for (k, sums) in self.diffusion.iter().enumerate() {
-            local.add_derivatives(k / x.len(), k % x.len(), sums.each_ref().map(|sum| sum.at(x)));
+        let mut room = Vec::new();
+        let factors = self.derivatives.factors(x, &mut room);
+        for (k, sums) in self.derivatives.sums.chunks_exact(3).enumerate() {
+            local.add_derivatives(k / x.len(), k % x.len(), [0, 1, 2].map(|order| sums[order].on(factors)));
         }
     }
 
     fn slopes(&self, x: &[f64], jacobian: &mut [f64]) -> f64 {
-        jacobian.iter_mut().zip(&self.slopes).for_each(|(slope, sum)| *slope = sum.at(x));
-        self.noise_slopes.iter().map(|sum| sum.at(x).powi(2)).sum()
+        let mut room = Vec::new();
+        self.slopes.on_all(x, jacobian, &mut room);
+        let factors = self.noise_slopes.factors(x, &mut room);
+        self.noise_slopes.sums.iter().map(|sum| sum.on(factors).powi(2)).sum()
     }
 }
 
-#[inline(always)]
-fn on_all(sums: &[Sum], x: &[Lane], values: &mut [Lane]) {
-    for (value, sum) in values.iter_mut().zip(sums) {
-        *value = sum.on(x);
+/// Polynomials as sums of products of states, and of functions of these.
+struct Sums {
+    /// Each of a sum of products of the states and of the functions before it.
+    functions: Vec<(Elementary, Sum)>,
+    sums: Vec<Sum>,
+}
+
+impl Sums {
+    fn of(states: usize, polynomials: &[Polynomial]) -> Self {
+        let mut known: Vec<&FunctionOf> = Vec::new();
+        for of in polynomials.iter().flat_map(Polynomial::all_functions) {
+            if !known.contains(&of) {
+                known.push(of);
+            }
+        }
+        let place = |of: &FunctionOf| states + known.iter().position(|other| *other == of).unwrap_or(0);
+        let sum = |p: &Polynomial| {
+            let own: Vec<usize> = (0..p.dimension()).chain(p.functions().iter().map(place)).collect();
+            Sum::of(p, &own)
+        };
+        Sums {
+            functions: known.iter().map(|of| (of.function, sum(&of.argument))).collect(),
+            sums: polynomials.iter().map(sum).collect(),
+        }
+    }
+
+    /// The first half of the sums, and the second.
+    #[inline(always)]
+    fn halves(&self) -> [&[Sum]; 2] {
+        self.sums.split_at(self.sums.len() / 2).into()
+    }
+
+    /// The states, and the functions after them.
+    #[inline(always)]
+    fn factors<'a, T: Number>(&self, x: &'a [T], room: &'a mut Vec<T>) -> &'a [T] {
+        if self.functions.is_empty() {
+            return x;
+        }
+        room.clear();
+        room.extend_from_slice(x);
+        for (function, argument) in &self.functions {
+            room.push(of_numbers(*function, argument.on(room)));
+        }
+        room
+    }
+
+    #[inline(always)]
+    fn on_all<T: Number>(&self, x: &[T], values: &mut [T], room: &mut Vec<T>) {
+        let factors = self.factors(x, room);
+        for (value, sum) in values.iter_mut().zip(&self.sums) {
+            *value = sum.on(factors);
+        }
     }
 }
 
-/// A polynomial as a sum of products of states.
+/// A function of numbers. Not inlined, so that a drift without functions is a few instructions.
+#[inline(never)]
+fn of_numbers<T: Number>(function: Elementary, x: T) -> T {
+    x.map(|x| function.of(x))
+}
+
+/// A sum of products.
 struct Sum {
     /// The coefficient of each product, and where its factors end.
     terms: Vec<(f64, usize)>,
-    /// The states that are multiplied, product by product, each as often as its power.
+    /// The factors that are multiplied, product by product, each as often as its power.
     factors: Vec<usize>,
 }
 
 impl Sum {
-    fn of(polynomial: &Polynomial) -> Self {
+    /// Of a polynomial whose variables and functions are at these places.
+    fn of(polynomial: &Polynomial, places: &[usize]) -> Self {
         let mut sum = Sum { terms: Vec::new(), factors: Vec::new() };
         for (alpha, c) in polynomial.terms().filter(|(_, c)| *c != 0.0) {
-            sum.factors.extend(alpha.iter().enumerate().flat_map(|(i, &power)| (0..power).map(move |_| i)));
+            let powers = alpha.iter().zip(places);
+            sum.factors.extend(powers.flat_map(|(&power, place)| (0..power).map(move |_| *place)));
             sum.terms.push((c, sum.factors.len()));
         }
         sum
     }
 
-    /// The value at all lanes.
     #[inline(always)]
-    fn on<const L: usize>(&self, x: &[Lanes<L>]) -> Lanes<L> {
-        let (mut sum, mut first) = (Lanes::ZERO, 0);
+    fn on<T: Number>(&self, factors: &[T]) -> T {
+        let (mut sum, mut first) = (T::everywhere(0.0), 0);
         for &(c, end) in &self.terms {
-            let mut product = Lanes([c; L]);
-            for &state in &self.factors[first..end] {
-                product = product * x[state];
+            let mut product = T::everywhere(c);
+            for &factor in &self.factors[first..end] {
+                product = product * factors[factor];
             }
             sum += product;
-            first = end;
-        }
-        sum
-    }
-
-    fn at(&self, x: &[f64]) -> f64 {
-        let (mut sum, mut first) = (0.0, 0);
-        for &(c, end) in &self.terms {
-            sum += self.factors[first..end].iter().fold(c, |product, &state| product * x[state]);
             first = end;
         }
         sum

@@ -56,6 +56,13 @@ impl FokkerPlanck {
         impulses.iter().try_for_each(|impulse| impulse.process().checked().map(|_| ()))?;
         for i in 0..n {
             impulses.iter().try_for_each(|impulse| sound("impulses", i, &impulse.field()[i]))?;
+            if impulses.iter().any(|impulse| !impulse.field()[i].is_plain()) {
+                let (what, remedy) = (
+                    "impulses whose factor is no polynomial",
+                    "write a polynomial that is close to it where the density is",
+                );
+                return Err(Error::NotServed { method: "Fokker-Planck operator", what, remedy });
+            }
             sound("drift", i, &drift[i])?;
             columns.iter().try_for_each(|column| sound("noise", i, &column[i]))?;
         }
@@ -115,7 +122,29 @@ impl FokkerPlanck {
 
     /// Whether the drift is linear and the noise constant, so that a stationary density is normal.
     pub(crate) fn is_linear(&self) -> bool {
-        self.drift.iter().all(|f| f.degree() <= 1) && self.varying_noise() == 0
+        self.drift.iter().all(|f| f.is_plain() && f.degree() <= 1) && self.varying_noise() == 0
+    }
+
+    /// Whether drift and noise are polynomials of the states, without functions of them.
+    pub fn is_polynomial(&self) -> bool {
+        self.drift.iter().chain(self.diffusion.iter().flatten()).all(Polynomial::is_plain)
+    }
+
+    /// Refuses functions of the states, for a method that takes polynomials alone.
+    ///
+    /// # Errors
+    /// [`Error::NotServed`].
+    pub(crate) fn require_polynomial(&self, method: &'static str) -> Result<()> {
+        let (what, remedy) =
+            ("functions of the states, such as sin x or |v|", "take `Closure::new`, the grid or the simulation");
+        if self.is_polynomial() { Ok(()) } else { Err(Error::NotServed { method, what, remedy }) }
+    }
+
+    /// The operator of polynomials, without impulses, whose means and those of its derivatives are the same near a Gaussian.
+    pub(crate) fn near(&self, gaussian: &Gaussian) -> Self {
+        let projected = |row: &Vec<Polynomial>| row.iter().map(|p| gaussian.projected(p)).collect();
+        let diffusion = self.diffusion.iter().map(projected).collect();
+        FokkerPlanck { drift: projected(&self.drift), diffusion, impulses: Vec::new(), moved: Vec::new() }
     }
 
     /// Requires that noise reaches every state, its own or that of states which its drift contains, or that impacts join with it.
@@ -126,7 +155,7 @@ impl FokkerPlanck {
         let n = self.dimension();
         let mut reached: Vec<bool> = (0..n).map(|i| self.is_driven(i)).collect();
         let meet = |i: usize, j: usize| joined.contains(&[i, j]) || joined.contains(&[j, i]);
-        let contains = |i: usize, j: usize| meet(i, j) || self.drift[i].terms().any(|(powers, _)| powers[j] > 0);
+        let contains = |i: usize, j: usize| meet(i, j) || self.drift[i].contains(j);
         for _ in 0..n {
             reached = (0..n).map(|i| reached[i] || (0..n).any(|j| reached[j] && contains(i, j))).collect();
         }
@@ -290,7 +319,7 @@ impl FokkerPlanck {
 
     /// The linear system that has the same mean drift, slopes and diffusion under `gaussian`: statistical linearisation.
     pub(crate) fn linearised(&self, gaussian: &Gaussian) -> Self {
-        let FokkerPlanck { drift, diffusion, .. } = self;
+        let FokkerPlanck { drift, diffusion, .. } = &self.near(gaussian);
         let slope = |i: usize, j: usize| gaussian.expectation(&drift[i].derivative(j));
         let diffusion = |i: usize, j: usize| gaussian.expectation(&diffusion[i][j]);
         Self::linear(slope, gaussian.mean.as_slice(), diffusion)
@@ -336,8 +365,8 @@ fn sound(part: &'static str, state: usize, polynomial: &Polynomial) -> Result<()
 }
 
 fn all_finite(part: &'static str, state: usize, polynomial: &Polynomial) -> Result<()> {
-    match polynomial.terms().find(|(_, c)| !c.is_finite()) {
+    match polynomial.not_finite() {
         None => Ok(()),
-        Some((alpha, value)) => Err(Error::NotFinite { part, state, exponents: alpha.to_vec(), value }),
+        Some((exponents, value)) => Err(Error::NotFinite { part, state, exponents, value }),
     }
 }

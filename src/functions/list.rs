@@ -2,7 +2,7 @@
 
 use super::impulses::{ImpulseImages, images};
 use super::tree::Tree;
-use super::{Corner, Kink, Polynomials};
+use super::{Corner, Fold, Kink, Polynomials};
 use crate::fokker_planck::ImpulseTerm;
 use crate::record::Read;
 use serde::{Deserialize, Serialize};
@@ -131,10 +131,20 @@ impl Functions {
 
     /// The polynomials alone, where there is no more.
     pub(crate) fn polynomials(&self) -> Option<&Polynomials> {
+        self.on_one_box().filter(|factors| factors.folds().is_empty())
+    }
+
+    /// The same, perhaps with folds.
+    pub(crate) fn on_one_box(&self) -> Option<&Polynomials> {
         match &self.blocks[..] {
             [Block { kinks: None, factors }] if self.corners.is_empty() => Some(factors),
             _ => None,
         }
+    }
+
+    /// The folds, of which all its polynomials have the same list.
+    pub(super) fn folds(&self) -> &[Fold] {
+        self.blocks.first().map_or(&[], |block| block.factors.folds())
     }
 
     /// The walls.
@@ -164,7 +174,9 @@ impl Functions {
         let mut found = Vec::new();
         for block in &self.blocks {
             if block.kinks.is_none() {
-                found.extend(block.factors.exponents().iter().enumerate().map(|(k, alpha)| (at + k, alpha.as_slice())));
+                let own = block.factors.exponents().iter().enumerate();
+                let plain = own.filter(|(_, alpha)| Polynomials::is_plain(alpha));
+                found.extend(plain.map(|(k, alpha)| (at + k, alpha.as_slice())));
             }
             at += block.len();
         }

@@ -1,4 +1,4 @@
-use super::HIGHEST;
+use super::{Fold, HIGHEST};
 use crate::numerics::legendre;
 use crate::polynomial::Polynomial;
 use crate::record::{Read, exponents, positive_states, states};
@@ -7,27 +7,58 @@ use serde::{Deserialize, Serialize};
 /// Products of Legendre polynomials in each state, scaled to a box.
 ///
 /// They span the monomials with the same exponents, provided that with each monomial its divisors of the same parities are
-/// there, and stay of order one where monomials would not.
+/// there, and stay of order one where monomials would not. In the place of a Legendre polynomial may be its product with a function
+/// that has a kink, by [`Fold::code`] in the list of exponents.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Polynomials {
     centre: Vec<f64>,
     half_width: Vec<f64>,
     exponents: Vec<Vec<u32>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    folds: Vec<Fold>,
 }
 
 impl Polynomials {
     /// The products with these exponents on the box `centre` ± `half_width`.
     pub(crate) fn new(centre: Vec<f64>, half_width: Vec<f64>, exponents: Vec<Vec<u32>>) -> Self {
-        Polynomials { centre, half_width, exponents }
+        Polynomials { centre, half_width, exponents, folds: Vec::new() }
+    }
+
+    /// The same whose exponents may be those of folds.
+    pub(crate) fn folded(self, folds: Vec<Fold>) -> Self {
+        Polynomials { folds, ..self }
+    }
+
+    /// The folds that exponents may have.
+    pub(crate) fn folds(&self) -> &[Fold] {
+        &self.folds
+    }
+
+    /// Whether an exponent is that of no fold.
+    pub(crate) fn is_plain(alpha: &[u32]) -> bool {
+        alpha.iter().all(|&exponent| Fold::decoded(exponent).0.is_none())
     }
 
     /// Refuses numbers without a meaning, such as those of a damaged file.
     pub(super) fn checked(self, count: usize) -> Read<Self> {
         states("the centre of the polynomials", &self.centre, count)?;
         positive_states("the half width of the polynomials", &self.half_width, count)?;
-        self.exponents.iter().try_for_each(|alpha| exponents(alpha, count, HIGHEST))?;
-        Ok(Polynomials::new(self.centre, self.half_width, self.exponents))
+        let folds: Vec<Fold> = self.folds.into_iter().map(|fold| fold.checked(count)).collect::<Read<_>>()?;
+        for alpha in &self.exponents {
+            if folds.is_empty() {
+                exponents(alpha, count, HIGHEST)?;
+            }
+            let degrees: Vec<u32> = alpha.iter().map(|&exponent| Fold::decoded(exponent).1).collect();
+            exponents(&degrees, count, HIGHEST)?;
+            let known = |(state, &exponent): (usize, &u32)| {
+                Fold::decoded(exponent).0.is_none_or(|fold| folds.get(fold).is_some_and(|fold| fold.state == state))
+            };
+            if !alpha.iter().enumerate().all(known) {
+                return Err(format!("the exponents {alpha:?} have no such fold"));
+            }
+        }
+        Ok(Polynomials::new(self.centre, self.half_width, self.exponents).folded(folds))
     }
 
     /// The number of functions.
@@ -53,14 +84,23 @@ impl Polynomials {
     /// Σ a_k φ_k in powers of the scaled coordinates t, x = centre + half_width t.
     pub(crate) fn in_powers(&self, a: &[f64]) -> Polynomial {
         let states = self.centre.len();
-        let highest = |i: usize| self.exponents.iter().map(|alpha| alpha[i] as usize).max().unwrap_or(0);
+        let degree = |exponent: u32| Fold::decoded(exponent).1 as usize;
+        let highest = |i: usize| self.exponents.iter().map(|alpha| degree(alpha[i])).max().unwrap_or(0);
         let variables = Polynomial::variables(states);
         let legendre: Vec<Vec<Polynomial>> =
             variables.iter().enumerate().map(|(i, t)| as_polynomials(t, highest(i))).collect();
         self.exponents.iter().zip(a).fold(Polynomial::zero(states), |sum, (alpha, &a)| {
             let factors = legendre.iter().zip(alpha).filter(|(_, power)| **power > 0);
             let start = Polynomial::constant(states, a);
-            sum + factors.fold(start, |product, (legendre, &power)| &product * &legendre[power as usize])
+            sum + factors.fold(start, |product, (legendre, &exponent)| {
+                let product = &product * &legendre[degree(exponent)];
+                match Fold::decoded(exponent).0.map(|fold| self.folds[fold]) {
+                    Some(fold) => {
+                        product * fold.polynomial(states, self.centre[fold.state], self.half_width[fold.state])
+                    }
+                    None => product,
+                }
+            })
         })
     }
 

@@ -3,7 +3,7 @@
 use super::impulses::ImpulseImages;
 use super::kink::Radius;
 use super::list::Block;
-use super::{Corner, Functions, Kink, PlaneJet, PlaneOperator};
+use super::{Corner, Fold, Functions, Kink, PlaneJet, PlaneOperator};
 use crate::numerics::Number;
 use crate::numerics::legendre::recurrence;
 use std::collections::HashMap;
@@ -22,20 +22,33 @@ pub(super) struct Tree {
     first: usize,
     /// Where φ₁ … φ_K stand in the tree, after the constant.
     places: Vec<usize>,
-    /// Degrees of each state's table.
+    /// Entries of each state's table: Legendre polynomials, and after these `folded` products of them with each fold.
     degrees: usize,
+    folded: usize,
     /// States in which a kink and its factor change together.
     shared: Vec<usize>,
     /// The highest powers of u, w, A and 1/A in kinks.
     highest: [usize; 4],
 }
 
-/// A product: a shorter one times a polynomial of one state.
+/// A product: a shorter one times a polynomial of one state, by its place in the state's table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Step {
     shorter: usize,
     state: usize,
     degree: usize,
+}
+
+/// The places of Legendre polynomials and of their products with folds in a table.
+fn tabled(blocks: &[Block]) -> (usize, usize, impl Fn(u32) -> usize) {
+    let all = || blocks.iter().flat_map(|block| block.factors.exponents()).flatten().map(|&e| Fold::decoded(e));
+    let plain = all().map(|(_, degree)| degree as usize + 1).max().unwrap_or(1);
+    let folded = all().filter(|(fold, _)| fold.is_some()).map(|(_, degree)| degree as usize + 1).max().unwrap_or(0);
+    let place = move |exponent: u32| match Fold::decoded(exponent) {
+        (None, degree) => degree as usize,
+        (Some(fold), degree) => plain + fold * folded + degree as usize,
+    };
+    (plain, folded, place)
 }
 
 impl Tree {
@@ -51,6 +64,8 @@ impl Tree {
             before(wall) + kinks[wall].iter().position(|known| *known == kink).unwrap_or(0)
         };
         let first = before(corners.len());
+        let (plain, folded, place_of) = tabled(blocks);
+        let folds = blocks.first().map_or(0, |block| block.factors.folds().len());
         let (mut steps, mut known, mut places, mut shared) = (Vec::new(), HashMap::new(), vec![0], Vec::new());
         for block in blocks {
             for kink in block.each() {
@@ -64,7 +79,7 @@ impl Tree {
                     for state in (0..degrees.len()).filter(|&i| degrees[i] > 0) {
                         part[state] = degrees[state];
                         place = *known.entry((root, part.clone())).or_insert_with(|| {
-                            steps.push(Step { shorter: place, state, degree: degrees[state] as usize });
+                            steps.push(Step { shorter: place, state, degree: place_of(degrees[state]) });
                             first + steps.len() - 1
                         });
                         if moves(state) && !shared.contains(&state) {
@@ -75,10 +90,10 @@ impl Tree {
                 }
             }
         }
-        let degrees = steps.iter().map(|step| step.degree).max().unwrap_or(0) + 1;
+        let degrees = plain + folds * folded;
         let powers = |k: usize| kinks.iter().flatten().map(|kink| kink.powers()[k]).max().unwrap_or(0);
         let highest = std::array::from_fn(powers);
-        Tree { kinks, steps, first, places, degrees, shared, highest }
+        Tree { kinks, steps, first, places, degrees, folded, shared, highest }
     }
 }
 
@@ -121,7 +136,7 @@ impl Functions {
             kinks.push(jet);
         });
         self.place_products(x, scratch);
-        self.place_slopes(scratch);
+        self.place_slopes(x, scratch);
     }
 
     /// The same where only values are needed.
@@ -149,18 +164,23 @@ impl Functions {
     #[inline(always)]
     fn place_products<T: Number>(&self, x: &[T], scratch: &mut Scratch<T>) {
         let (tree, [zero, one]) = (&self.tree, [0.0, 1.0].map(T::everywhere));
+        let plain = self.plain();
         let Scratch { table, values, .. } = scratch;
         table.resize(self.dimension() * tree.degrees, [zero; 3]);
         let [centre, half_width] = self.box_around();
         for (i, rows) in table.chunks_exact_mut(tree.degrees).enumerate() {
             rows[0][0] = one;
             let t = (x[i] - centre[i]) / T::everywhere(half_width[i]);
-            if let Some(row) = rows.get_mut(1) {
+            if let Some(row) = rows.get_mut(1).filter(|_| plain > 1) {
                 row[0] = t;
             }
-            for k in 1..tree.degrees - 1 {
+            for k in 1..plain - 1 {
                 let [a, b] = recurrence(k);
                 rows[k + 1][0] = t * a * rows[k][0] - rows[k - 1][0] * b;
+            }
+            for (fold, first) in self.folds_of(i) {
+                let [value, ..] = fold.jet(x[i], half_width[i]);
+                (0..tree.folded).for_each(|k| rows[first + k][0] = value * rows[k][0]);
             }
         }
         values[0] = one;
@@ -169,23 +189,41 @@ impl Functions {
         }
     }
 
+    /// The Legendre polynomials in each state's table.
+    fn plain(&self) -> usize {
+        self.tree.degrees - self.folds().len() * self.tree.folded
+    }
+
+    /// The folds of a state, with the place of the first of their products.
+    fn folds_of(&self, state: usize) -> impl Iterator<Item = (&Fold, usize)> {
+        let places = (self.plain()..).step_by(self.tree.folded.max(1));
+        self.folds().iter().zip(places).filter(move |(fold, _)| fold.state == state)
+    }
+
     /// Fills the tables of P_k′ and P_k″ by the recurrence, differentiated, where those of P_k are filled.
     #[inline(always)]
-    fn place_slopes<T: Number>(&self, scratch: &mut Scratch<T>) {
-        let (degrees, [zero, one]) = (self.tree.degrees, [0.0, 1.0].map(T::everywhere));
+    fn place_slopes<T: Number>(&self, x: &[T], scratch: &mut Scratch<T>) {
+        let (degrees, plain, [zero, one]) = (self.tree.degrees, self.plain(), [0.0, 1.0].map(T::everywhere));
         let [_, half_width] = self.box_around();
         for (i, rows) in scratch.table.chunks_exact_mut(degrees).enumerate() {
             let scale = half_width[i].recip();
             rows[0] = [one, zero, zero];
-            if let Some(row) = rows.get_mut(1) {
+            if let Some(row) = rows.get_mut(1).filter(|_| plain > 1) {
                 (row[1], row[2]) = (T::everywhere(scale), zero);
             }
-            let t = rows.get(1).map_or(zero, |row| row[0]);
-            for k in 1..degrees - 1 {
+            let t = rows.get(1).filter(|_| plain > 1).map_or(zero, |row| row[0]);
+            for k in 1..plain - 1 {
                 let [a, b] = recurrence(k);
                 let ([p, d, s], [_, d0, s0]) = (rows[k], rows[k - 1]);
                 rows[k + 1][1] = (t * d + p * scale) * a - d0 * b;
                 rows[k + 1][2] = (t * s + d * (2.0 * scale)) * a - s0 * b;
+            }
+            for (fold, first) in self.folds_of(i) {
+                let [value, slope, bend] = fold.jet(x[i], half_width[i]);
+                for k in 0..self.tree.folded {
+                    let [p, d, s] = rows[k];
+                    rows[first + k] = [value * p, slope * p + value * d, bend * p + slope * d * 2.0 + value * s];
+                }
             }
         }
     }

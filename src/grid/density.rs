@@ -5,6 +5,7 @@ use crate::density::{Crossing, Density, Evidence, summary};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::sort_by_number;
+use crate::problem::Surface;
 use crate::provenance::Provenance;
 use crate::walls::Wall;
 use std::fmt;
@@ -64,6 +65,10 @@ impl Evidence for GridDensity {
     fn grazed_walls(&self) -> Vec<(Wall, f64)> {
         let Kept { problem, walls, .. } = &*self.kept;
         walls.iter().flatten().map(|wall| (*wall, problem.intensity_at_rest(wall))).collect()
+    }
+
+    fn surfaces(&self) -> Vec<Surface> {
+        self.kept.problem.surfaces().to_vec()
     }
 }
 

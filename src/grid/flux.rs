@@ -5,6 +5,15 @@ use crate::fokker_planck::Local;
 use crate::polynomial::{Polynomial, monomials};
 use crate::problem::{PlaneMotion, Problem};
 
+/// The degree, beyond those of trial and test functions, up to which a product with a function that is no polynomial is integrated
+/// exactly: with nodes for 10 degrees more than of a polynomial of degree 0, what the integrals leave is below what cells of these
+/// degrees leave.
+const BEYOND: usize = 10;
+/// A face is on a surface where it is as close to it as this part of the cell's width, which is rounding; and the distance at which
+/// the functions beside it are taken.
+const ON_SURFACE: f64 = 1e-10;
+const BESIDE: f64 = 1e-8;
+
 /// The part of an operator that a flux belongs to.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Part<'a> {
@@ -35,12 +44,16 @@ pub(super) struct FluxTerm {
     pub(super) tested: usize,
     /// The state j in which p is differentiated; none for F_i.
     pub(super) differentiated: Option<usize>,
-    /// The degrees in the states of the Legendre polynomials that the function is made of, on any element.
-    pub(super) degrees: Vec<[usize; MOST]>,
+    /// The degrees in the states of the Legendre polynomials that the function is made of, on any element. None where it is no
+    /// polynomial.
+    pub(super) degrees: Option<Vec<[usize; MOST]>>,
 }
 
 impl FluxTerm {
     fn new(tested: usize, differentiated: Option<usize>, function: &Polynomial) -> Self {
+        if !function.is_plain() {
+            return FluxTerm { tested, differentiated, degrees: None };
+        }
         let largest: Vec<&[u32]> = function.terms().map(|(powers, _)| powers).collect();
         let occurs = |powers: &[u32]| largest.iter().any(|largest| powers.iter().zip(*largest).all(|(p, l)| p <= l));
         let all = if function.is_zero() { Vec::new() } else { monomials(function.dimension(), function.degree()) };
@@ -48,7 +61,7 @@ impl FluxTerm {
             .iter()
             .filter(|powers| occurs(powers))
             .map(|powers| std::array::from_fn(|axis| powers.get(axis).map_or(0, |power| *power as usize)));
-        FluxTerm { tested, differentiated, degrees: degrees.collect() }
+        FluxTerm { tested, differentiated, degrees: Some(degrees.collect()) }
     }
 
     /// The function's own value.
@@ -73,6 +86,8 @@ pub(super) struct Flux<'a> {
     pub(super) terms: Vec<FluxTerm>,
     /// The highest total degree of all functions.
     pub(super) degree: usize,
+    /// Where they have kinks or jumps along each axis.
+    surfaces: [Vec<f64>; MOST],
 }
 
 impl<'a> Flux<'a> {
@@ -97,17 +112,41 @@ impl<'a> Flux<'a> {
                 functions.extend((0..states).map(|j| (Some(j), &operator.diffusion()[i][j])));
             }
             for (differentiated, function) in functions {
-                degree = degree.max(function.degree() as usize);
+                degree = degree.max(if function.is_plain() { function.degree() as usize } else { BEYOND });
                 terms.push(FluxTerm::new(i, differentiated, function));
             }
         }
-        terms.retain(|term| !term.degrees.is_empty());
+        terms.retain(|term| term.degrees.as_ref().is_none_or(|degrees| !degrees.is_empty()));
         let moved = matches!(part, Part::Moved(_)).then(|| {
             let half = |p: &Polynomial| p * 0.5;
             let advection = (0..states).map(|i| &operator.drift()[i] - &half(&spread[i])).collect();
             (advection, operator.diffusion().iter().map(|row| row.iter().map(half).collect()).collect())
         });
-        Flux { problem, origin, part, induced, moved, terms, degree }
+        let surfaces = std::array::from_fn(|axis| {
+            let own = problem.surfaces().iter().filter(|surface| surface.state == axis);
+            own.map(|surface| surface.place - origin[axis]).collect()
+        });
+        Flux { problem, origin, part, induced, moved, terms, degree, surfaces }
+    }
+
+    /// F and ½B at a point of a face across `axis`: where they jump, the mean of both sides (the flux of p is continuous), which are
+    /// taken at a small part of the cell's width.
+    pub(super) fn across(&self, axis: usize, u: Place, width: f64, local: &mut Local) -> Value {
+        let near = |surface: &f64| (surface - u[axis]).abs() <= ON_SURFACE * width;
+        if !self.surfaces[axis].iter().any(near) {
+            return self.at(u, local);
+        }
+        let [below, above] = [-1.0, 1.0].map(|side| {
+            let mut beside = u;
+            beside[axis] += side * BESIDE * width;
+            self.at(beside, local)
+        });
+        let mean = |a: Place, b: Place| std::array::from_fn(|i| f64::midpoint(a[i], b[i]));
+        Value {
+            advection: mean(below.advection, above.advection),
+            carrying: mean(below.carrying, above.carrying),
+            diffusion: std::array::from_fn(|i| mean(below.diffusion[i], above.diffusion[i])),
+        }
     }
 
     /// What [`Flux::at`] works on.

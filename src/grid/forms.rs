@@ -14,7 +14,7 @@
 //! ∂p/∂t = −K p.
 
 use super::columns::add_matrix;
-use super::flux::{Flux, Part, Value};
+use super::flux::{Flux, FluxTerm, Part, Value};
 use super::legendre::LegendreTable;
 use super::mesh::Mesh;
 use super::shape::{MOST, Place, Shape};
@@ -22,7 +22,8 @@ use super::sides::{Across, Boundary, Fluxes};
 use crate::fokker_planck::Local;
 use crate::numerics::Rule;
 use crate::problem::{PlaneMotion, Problem};
-use faer::Mat;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
 
 /// The matrices of a cell and its faces, which follow each other in the order of the cell's segments.
 #[derive(Clone, Debug)]
@@ -60,6 +61,8 @@ pub(super) struct Forms<'a> {
     /// What a wall's fluxes are multiplied by.
     at_walls: f64,
     products: Vec<Product>,
+    /// The functions of a cell at the nodes of those in J that are no polynomials, where there are some.
+    quadrature: Option<Quadrature>,
     /// Nodes of the functions in J.
     series: LegendreTable,
     /// Nodes of a face along one axis, and the basis of the face there.
@@ -85,11 +88,14 @@ impl<'a> Forms<'a> {
             // In the coordinate that moves, the velocity is v over dx/dξ.
             Part::Moved(PlaneMotion { shift, .. }) => -shift[1],
         };
-        let series = LegendreTable::new(flux.degree, Rule::legendre(flux.degree + 1));
+        let plain = flux.terms.iter().all(|term| term.degrees.is_some());
+        let rule = if plain { Rule::legendre(flux.degree + 1) } else { shape.rule(flux.degree) };
+        let series = LegendreTable::new(flux.degree.max(shape.degree), rule);
+        let quadrature = (!plain).then(|| Quadrature::new(shape, &series));
         let face = LegendreTable::new(shape.degree, shape.rule(flux.degree));
         let along = std::array::from_fn(|axis| if axis < shape.states { shape.along(axis) } else { Vec::new() });
         let products = products(shape, &flux);
-        Forms { shape, flux, at_walls, products, series, face, along }
+        Forms { shape, flux, at_walls, products, quadrature, series, face, along }
     }
 
     /// The matrices of one cell.
@@ -121,8 +127,9 @@ impl<'a> Forms<'a> {
         matrices
     }
 
-    /// −∫ J·∇w. The functions in J are polynomials: as many Gauss nodes as they have coefficients along each state give their
-    /// Legendre series on the cell, and the integrals of three Legendre polynomials are the same on all cells.
+    /// −∫ J·∇w. Of the functions in J that are polynomials as many Gauss nodes as they have coefficients along each state give the
+    /// Legendre series on the cell, and the integrals of three Legendre polynomials are the same on all cells. Others are integrated
+    /// by Gauss' rule.
     fn volume(&self, mesh: &Mesh, number: usize, local: &mut Local, inner: &mut Mat<f64>) {
         let (cell, states) = (mesh.cells[number], self.shape.states);
         let nodes = self.series.len();
@@ -136,18 +143,29 @@ impl<'a> Forms<'a> {
                 self.flux.at(u, local)
             })
             .collect();
+        let factor = |term: &FluxTerm| {
+            let slope = |axis: usize| 2.0 / cell.width[axis];
+            match term.differentiated {
+                None => -slope(term.tested),
+                Some(state) => slope(term.tested) * slope(state),
+            }
+        };
+        if let Some(quadrature) = &self.quadrature {
+            for term in self.flux.terms.iter().filter(|term| term.degrees.is_none()) {
+                let weighted = |k: usize| -> f64 {
+                    let weights = (0..states).map(|axis| self.series.weights[node(k, axis)]);
+                    factor(term) * weights.product::<f64>() * term.of(&values[k])
+                };
+                quadrature.add(term, &weighted, inner);
+            }
+        }
         for Product { term, degrees, entries } in &self.products {
             let term = &self.flux.terms[*term];
             let weighted = |k: usize| -> f64 {
                 (0..states).map(|axis| self.series.weighted(node(k, axis), degrees[axis])).product()
             };
             let coefficient: f64 = values.iter().enumerate().map(|(k, value)| weighted(k) * term.of(value)).sum();
-            let slope = |axis: usize| 2.0 / cell.width[axis];
-            let factor = match term.differentiated {
-                None => -slope(term.tested),
-                Some(state) => slope(term.tested) * slope(state),
-            };
-            let factor = factor * coefficient;
+            let factor = factor(term) * coefficient;
             if factor != 0.0 {
                 let block = self.shape.block();
                 for column in entries.chunk_by(|a, b| a.0 as usize / block == b.0 as usize / block) {
@@ -217,6 +235,41 @@ impl<'a> Forms<'a> {
     }
 }
 
+/// The functions of a cell at the nodes of a product rule, by node and function: values, and slopes along each state.
+struct Quadrature {
+    values: Mat<f64>,
+    slopes: Vec<Mat<f64>>,
+}
+
+impl Quadrature {
+    fn new(shape: Shape, table: &LegendreTable) -> Self {
+        let (nodes, states) = (table.len(), shape.states);
+        let at = |sloped: Option<usize>| {
+            Mat::from_fn(nodes.pow(states as u32), shape.block(), |k, function| {
+                let degrees = shape.degrees(function);
+                let along = |axis: usize| {
+                    let node = k / nodes.pow((states - 1 - axis) as u32) % nodes;
+                    let of = if sloped == Some(axis) { &table.slopes } else { &table.values };
+                    of[node][degrees[axis]]
+                };
+                (0..states).map(along).product()
+            })
+        };
+        Quadrature { values: at(None), slopes: (0..states).map(|axis| at(Some(axis))).collect() }
+    }
+
+    /// Adds Σ_k w_k times the products of tests and trial functions of a term.
+    fn add(&self, term: &FluxTerm, weighted: &dyn Fn(usize) -> f64, inner: &mut Mat<f64>) {
+        let tests = &self.slopes[term.tested];
+        let mut trial = term.differentiated.map_or(&self.values, |axis| &self.slopes[axis]).clone();
+        let weights: Vec<f64> = (0..trial.nrows()).map(weighted).collect();
+        for column in 0..trial.ncols() {
+            trial.col_as_slice_mut(column).iter_mut().zip(&weights).for_each(|(value, weight)| *value *= weight);
+        }
+        matmul(inner.as_mut(), Accum::Add, tests.transpose(), &trial, 1.0, Par::Seq);
+    }
+}
+
 /// The integrals of all products of Legendre polynomials that occur in the flux, ∫ Π P_a φ^(′) φ^(′) on the reference cell.
 fn products(shape: Shape, flux: &Flux<'_>) -> Vec<Product> {
     let (degree, highest) = (shape.degree, flux.degree);
@@ -258,7 +311,10 @@ fn products(shape: Shape, flux: &Flux<'_>) -> Vec<Product> {
         }
         Product { term, degrees, entries }
     };
-    let all =
-        flux.terms.iter().enumerate().flat_map(|(term, of)| of.degrees.iter().map(move |degrees| (term, *degrees)));
+    let all = flux
+        .terms
+        .iter()
+        .enumerate()
+        .flat_map(|(term, of)| of.degrees.iter().flatten().map(move |degrees| (term, *degrees)));
     all.map(|(term, degrees)| product(term, degrees)).collect()
 }

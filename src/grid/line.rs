@@ -39,8 +39,11 @@ pub(super) struct Line {
     drift: Polynomial,
     diffusion: Polynomial,
     rule: Rule,
-    /// Where the noise vanishes below and above: nothing passes there.
+    /// Where the noise vanishes below and above, or an end reflects the motion: nothing passes there.
     ends: [Option<f64>; 2],
+    reflects: [bool; 2],
+    /// Where the drift has a kink or a jump.
+    surfaces: Vec<f64>,
     /// Places, rising, and ∫ 2f/B up to them.
     steps: Vec<[f64; 2]>,
 }
@@ -53,12 +56,16 @@ impl Line {
     pub(super) fn new(problem: &Problem, inside: f64, scale: f64) -> Result<Self> {
         let operator = problem.operator();
         let (drift, diffusion) = (operator.drift()[0].clone(), operator.diffusion()[0][0].clone());
-        let zeros = zeros(&diffusion);
-        let ends = [-1.0, 1.0].map(|side| {
-            let beyond = zeros.iter().filter(|zero| side * (**zero - inside) > 0.0).copied();
+        let (zeros, reflecting) = (zeros(&diffusion), problem.end_limits(0));
+        let ends = [0, 1].map(|side| {
+            let sign = [-1.0, 1.0][side];
+            let beyond = zeros.iter().copied().filter(|zero| sign * (zero - inside) > 0.0).chain(reflecting[side]);
             beyond.min_by(|a, b| (a - inside).abs().total_cmp(&(b - inside).abs()))
         });
-        let mut line = Line { drift, diffusion, rule: Rule::legendre(NODES), ends, steps: vec![[inside, 0.0]] };
+        let reflects = [0, 1].map(|side| ends[side].is_some() && ends[side] == reflecting[side]);
+        let surfaces = problem.surfaces().iter().map(|surface| surface.place).collect();
+        let (rule, steps) = (Rule::legendre(NODES), vec![[inside, 0.0]]);
+        let mut line = Line { drift, diffusion, rule, ends, reflects, surfaces, steps };
         line.extend(-1.0, scale, ends[0])?;
         line.extend(1.0, scale, ends[1])?;
         sort_by_number(&mut line.steps, |step| step[0]);
@@ -71,7 +78,12 @@ impl Line {
         let (mut x, mut highest) = (start, self.log(start, 0.0));
         for _ in 0..STEPS {
             let length = STEP * (scale + GROWTH * (x - start).abs());
-            let length = end.map_or(length, |end| length.min((end - x).abs() / 2.0));
+            let reflects = self.reflects[usize::from(side > 0.0)];
+            let share = if reflects { 1.0 } else { 0.5 };
+            let length = end.map_or(length, |end| length.min((end - x).abs() * share));
+            // No step goes across a kink.
+            let beyond = self.surfaces.iter().map(|place| side * (place - x)).filter(|distance| *distance > 0.0);
+            let length = beyond.fold(length, f64::min);
             let next = x + side * length;
             sum += self.integral(x, next);
             x = next;
@@ -79,6 +91,9 @@ impl Line {
             let log = self.log(x, sum);
             highest = highest.max(log);
             let left = end.map_or((x - start).abs(), |end| (end - x).abs());
+            if reflects && left <= f64::EPSILON * end.unwrap_or(0.0).abs() {
+                return Ok(());
+            }
             if log + left.ln() < highest + scale.ln() - DEPTH {
                 return Ok(());
             }
@@ -123,13 +138,17 @@ impl Line {
     pub(super) fn resolved(&self, degree: usize) -> GridField {
         let (low, high) = (self.steps[0][0], self.steps[self.steps.len() - 1][0]);
         let highest = self.steps.iter().map(|[x, sum]| self.log(*x, *sum)).fold(f64::NEG_INFINITY, f64::max);
-        let mut tree = Tree::new(&[vec![low, high]]);
+        let inner = self.surfaces.iter().copied().filter(|place| low < *place && *place < high);
+        let mut lines: Vec<f64> = inner.chain([low, high]).collect();
+        sort_by_number(&mut lines, |place| *place);
+        let mut tree = Tree::new(&[lines]);
         for _ in 0..HALVINGS {
             tree.leaves().iter().for_each(|leaf| {
                 tree.halve(*leaf, 0);
             });
         }
-        let mut mesh = Mesh::new([0.0; MOST], tree, [Side::Open; 2]);
+        let sides = self.reflects.map(|reflects| if reflects { Side::Closed } else { Side::Open });
+        let mut mesh = Mesh::new([0.0; MOST], tree, sides);
         let shape = Shape { states: 1, degree };
         // exp of a sum has the sum's rounding: no mesh takes it away.
         let largest = self.steps.iter().map(|[_, sum]| sum.abs()).fold(0.0, f64::max);
@@ -152,6 +171,9 @@ impl Line {
 
 /// The real zeros of a polynomial of one state.
 fn zeros(p: &Polynomial) -> Vec<f64> {
+    if !p.is_plain() {
+        return Vec::new();
+    }
     let degree = p.degree() as usize;
     let leading = p.coefficient(&[degree as u32]);
     if degree == 0 {

@@ -16,6 +16,8 @@ pub(super) enum Side {
     Open,
     /// A level: the same on purpose, and the density is 0 there where noise acts across.
     Level,
+    /// An end that reflects the motion: nothing passes.
+    Closed,
     /// A wall with restitution r: probability that leaves with velocity −w/r comes back with velocity w.
     Wall(f64),
 }
@@ -90,6 +92,7 @@ impl Mesh {
                 let at_side: Vec<usize> = mesh.at_side(axis, side).collect();
                 match condition {
                     Side::Wall(restitution) if axis == 0 => mesh.wall(side, restitution, &at_side),
+                    Side::Closed if axis == 0 => {}
                     _ => {
                         let role = if axis == 0 && condition == Side::Level { Role::Level } else { Role::Open };
                         for cell in at_side {

@@ -150,7 +150,8 @@ impl Residual {
         let drift: Vec<Polynomial> =
             self.drift.iter().zip(&self.induced).map(|(f, induced)| f - &(induced * (1.0 - squared))).collect();
         let mean: Vec<f64> = drift.iter().map(|f| g.expectation(f)).collect();
-        let slope = DMatrix::from_fn(states, states, |i, j| g.expectation(&drift[i].derivative(j)));
+        let near: Vec<Polynomial> = drift.iter().map(|f| g.projected(f)).collect();
+        let slope = DMatrix::from_fn(states, states, |i, j| g.expectation(&near[i].derivative(j)));
         let divergence = drift.iter().enumerate().fold(Polynomial::zero(states), |sum, (i, f)| sum + f.derivative(i));
         let strength = DMatrix::from_fn(states, states, |i, j| g.expectation(&self.noise[i][j]));
         let of = |z: &DVector<f64>| {

@@ -63,7 +63,7 @@ impl Fluxes {
                 Role::Hits(_) => At { out: all.at_walls * node.speed, ..At::default() },
                 Role::Returns(_) => At { enters: -all.at_walls * node.speed, ..At::default() },
                 _ => {
-                    let value = all.flux.at(u, local);
+                    let value = all.flux.across(axis, u, cell.width[axis], local);
                     let [advection, carrying] = [value.advection, value.carrying].map(|f| sign * f[axis]);
                     let normal = value.diffusion[axis][axis];
                     let [out, enters] = [carrying > 0.0, carrying < 0.0].map(|is| if is { advection } else { 0.0 });

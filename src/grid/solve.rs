@@ -50,7 +50,13 @@ impl Grid {
         if problem.dimension() == 1 && self.domain.is_none() {
             return self.on_a_line(problem, pilot);
         }
-        let sides = walls.map(|wall| wall.map_or(Side::Open, |wall| Side::Wall(wall.restitution())));
+        let ends = problem.end_limits(0);
+        let side = |side: usize| match (walls[side], ends[side]) {
+            (Some(wall), _) => Side::Wall(wall.restitution()),
+            (None, Some(_)) => Side::Closed,
+            (None, None) => Side::Open,
+        };
+        let sides = [0, 1].map(side);
         let own = sides.map(|side| start::smallest(side, self.accuracy));
         let grazed = [0, 1].map(|side| own[side].or(other[side].then_some(GRAZING)));
         let degree = self.degree_for(self.accuracy, grazed != [None; 2]);
@@ -62,9 +68,8 @@ impl Grid {
         };
         let mut doubled = 0;
         loop {
-            let mut domain =
-                self.domain.clone().unwrap_or_else(|| start::domain(&pilot, problem.dimension(), doubled, [None; 2]));
-            let limits = walls.map(|wall| wall.map(|wall| wall.offset()));
+            let mut domain = self.domain.clone().unwrap_or_else(|| start::domain(problem, &pilot, doubled));
+            let limits = [0, 1].map(|side| walls[side].map(|wall| wall.offset()).or(ends[side]));
             (0..2).for_each(|side| domain[0][side] = limits[side].unwrap_or(domain[0][side]));
             for [low, high] in &domain {
                 positive(

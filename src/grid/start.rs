@@ -6,6 +6,7 @@ use super::pilot::GridPilot;
 use super::shape::{MOST, Place};
 use super::tree::{MeshCell, Tree};
 use crate::grid::{GRAZING, HALVINGS, NARROWEST};
+use crate::numerics::sort_by_number;
 use crate::problem::Problem;
 use crate::states::States;
 
@@ -31,6 +32,10 @@ const GRADED: f64 = 1.5;
 /// changes.
 const LAYER: f64 = 4.0;
 
+/// A domain ends, where forces are no polynomials, where the drift is so many times as large as at the outermost states of the pilot: an
+/// exponential grows beyond all rates that cells can follow, and the density has ended long before.
+const STEEP: f64 = 1e3;
+
 /// What a mesh is laid out for.
 #[derive(Clone, Debug)]
 pub(super) struct Ground<'a> {
@@ -48,23 +53,37 @@ pub(super) struct Ground<'a> {
 /// The smallest cell along the velocity at a side, in its deviations; none where trajectories graze nothing.
 pub(super) fn smallest(side: Side, accuracy: f64) -> Option<f64> {
     match side {
-        Side::Open => None,
+        Side::Open | Side::Closed => None,
         Side::Level => Some((LEVEL * accuracy.sqrt()).clamp(LEVELS[0], LEVELS[1])),
         Side::Wall(restitution) => (restitution < 1.0).then_some(GRAZING),
     }
 }
 
-/// The box of several times the reach of the pilot's states, `doubled` several times, up to `limits`.
-pub(super) fn domain(pilot: &GridPilot, states: usize, doubled: usize, limits: [Option<f64>; 2]) -> Vec<[f64; 2]> {
-    let (reach, middle) = (pilot.reach(), pilot.middle());
+/// The box of several times the reach of the pilot's states, `doubled` several times.
+pub(super) fn domain(problem: &Problem, pilot: &GridPilot, doubled: usize) -> Vec<[f64; 2]> {
+    let (reach, middle, states) = (pilot.reach(), pilot.middle(), problem.dimension());
     let widening = WIDENING * f64::from(1 << doubled.min(20));
     let mut all: Vec<[f64; 2]> =
         (0..states).map(|axis| reach[axis].map(|edge| middle[axis] + widening * (edge - middle[axis]))).collect();
-    limits
-        .iter()
-        .enumerate()
-        .filter_map(|(side, limit)| Some((side, (*limit)?)))
-        .for_each(|(side, at)| all[0][side] = at);
+    if !problem.operator().is_polynomial() {
+        let largest = |axis: usize, place: f64| {
+            let mut x = middle[..states].to_vec();
+            x[axis] = place;
+            let drift = problem.operator().drift().iter().map(|f| f.evaluate(&x).abs());
+            drift.fold(0.0, |largest, f| if f.is_nan() { f64::INFINITY } else { f64::max(largest, f) })
+        };
+        for (axis, side) in (0..states).flat_map(|axis| [(axis, 0), (axis, 1)]) {
+            let (inner, mut edge) = (reach[axis][side], all[axis][side]);
+            let most = STEEP * largest(axis, inner);
+            for _ in 0..60 {
+                if largest(axis, edge) <= most {
+                    break;
+                }
+                edge = f64::midpoint(edge, inner);
+            }
+            all[axis][side] = edge;
+        }
+    }
     all
 }
 
@@ -88,8 +107,13 @@ impl Ground<'_> {
         let lines = (0..states).map(|axis| {
             let [low, high] = self.domain[axis].map(|x| x - origin[axis]);
             // What hits a wall and what comes back are cells of their own.
-            let through = axis == 1 && closed != [false, false] && low < 0.0 && high > 0.0;
-            if through { vec![low, 0.0, high] } else { vec![low, high] }
+            let zero = (axis == 1 && closed != [false, false] && !self.sides.contains(&Side::Closed)).then_some(0.0);
+            let surfaces = self.problem.surfaces().iter().filter(|surface| surface.state == axis);
+            let mut inner: Vec<f64> = surfaces.map(|surface| surface.place - origin[axis]).chain(zero).collect();
+            inner.retain(|place| low < *place && *place < high);
+            sort_by_number(&mut inner, |place| *place);
+            inner.dedup();
+            [vec![low], inner, vec![high]].concat()
         });
         let mut tree = Tree::new(&lines.collect::<Vec<_>>());
         for axis in 0..states {

@@ -74,12 +74,7 @@ impl GridDensity {
         let remedy = "the levels leave the density no room: it lies beyond them";
         require(width > 0.0, "room between the levels in the domain", width, remedy)?;
 
-        let walls = self.kept.walls;
-        let sides = [0, 1].map(|side| match walls[side] {
-            _ if absorbs[side] => Side::Level,
-            Some(wall) => Side::Wall(wall.restitution()),
-            None => Side::Open,
-        });
+        let sides = [0, 1].map(|side| if absorbs[side] { Side::Level } else { self.fine.mesh.sides[side] });
         let ground = self.kept.ground(domain.clone(), sides, FINEST);
         // What starts as the stationary density and leaves through the levels.
         let operators =

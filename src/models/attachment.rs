@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Oscillator, Parameter, Parametric, PolynomialDrift};
+use crate::system::{Drift, Oscillator, Parameter, Parametric};
 
 /// A Duffing oscillator that carries a mass m, with noise on the oscillator alone: x″ + c x′ + k x + μ x³ + s = ξ, m y″
 /// = s, s = κ (x − y) + ν (x − y)³ + γ (x′ − y′).
@@ -42,7 +42,7 @@ struct NamedAttachment<P = f64> {
     spring: (&'static str, usize),
 }
 
-impl<P: Parameter> PolynomialDrift<4, 1, P> for NamedAttachment<P> {
+impl<P: Parameter> Drift<4, 1, P> for NamedAttachment<P> {
     #[inline]
     fn drift<S: Scalar<P>>(&self, [x, y, u, v]: [S; 4]) -> [S; 4] {
         let Attachment { structure, mass, spring: [linear, cubic], damping } = self.attachment;

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Parameter, PolynomialSystem};
+use crate::system::{Parameter, System};
 
 /// A chain of coupled Duffing oscillators in equilibrium with a bath:
 /// x_i″ + c_i x_i′ + k x_i + μ x_i³ + κ (2x_i − x_{i−1} − x_{i+1}) = ξ_i, with free ends.
@@ -65,7 +65,7 @@ impl<P: Parameter> DuffingChain<P> {
     }
 }
 
-impl<P: Parameter> PolynomialSystem<P> for DuffingChain<P> {
+impl<P: Parameter> System<P> for DuffingChain<P> {
     fn dimension(&self) -> usize {
         2 * self.damping.len()
     }

@@ -3,7 +3,7 @@ use crate::checks::{positive, require};
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, Parameter, Parametric, PolynomialDrift};
+use crate::system::{Drift, Intensity, Oscillator, Parameter, Parametric};
 use crate::walls::Wall;
 
 /// The Duffing oscillator above a wall under coloured and white noise: y″ + c y′ + k y + μ y³ = z + ξ₀ for y > b, z′ = a (ξ − z),
@@ -58,7 +58,7 @@ impl ColouredVibroImpact {
     }
 }
 
-impl<P: Parameter> PolynomialDrift<3, 2, P> for ColouredVibroImpact<P> {
+impl<P: Parameter> Drift<3, 2, P> for ColouredVibroImpact<P> {
     #[inline]
     fn drift<S: Scalar<P>>(&self, [y, v, z]: [S; 3]) -> [S; 3] {
         [v, z - self.oscillator.force(y, v), -(z * self.bandwidth)]

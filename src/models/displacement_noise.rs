@@ -3,7 +3,7 @@ use crate::error::Result;
 use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Parameter, PolynomialDrift};
+use crate::system::{Drift, Intensity, Parameter};
 
 /// A Duffing oscillator whose noise and damping grow together with the displacement:
 /// x″ + c (1 + g x²) x′ + k x + μ x³ = ξ₁ + √g x ξ₂, both noises of intensity D.
@@ -34,7 +34,7 @@ impl DisplacementNoise {
     }
 }
 
-impl<P: Parameter> PolynomialDrift<2, 2, P> for DisplacementNoise<P> {
+impl<P: Parameter> Drift<2, 2, P> for DisplacementNoise<P> {
     #[inline]
     fn drift<S: Scalar<P>>(&self, [x, v]: [S; 2]) -> [S; 2] {
         let damping = (x * x * self.growth + 1.0) * v * self.damping;

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Oscillator, Parameter, PolynomialDrift};
+use crate::system::{Drift, Intensity, Oscillator, Parameter};
 
 /// A Duffing oscillator under coloured noise, x″ + c x′ + k x + μ x³ = z, where z is white noise ξ behind a filter:
 /// z′ = a (ξ − z), or z″ + 2 ζ ω z′ + ω² z = ω² ξ.
@@ -88,7 +88,7 @@ struct FirstOrder<P = f64> {
     a: P,
 }
 
-impl<P: Parameter> PolynomialDrift<3, 1, P> for FirstOrder<P> {
+impl<P: Parameter> Drift<3, 1, P> for FirstOrder<P> {
     #[inline]
     fn drift<S: Scalar<P>>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
         [v, z - self.oscillator.force(x, v), -(z * self.a)]
@@ -112,7 +112,7 @@ struct SecondOrder<P = f64> {
     zeta: P,
 }
 
-impl<P: Parameter> PolynomialDrift<4, 1, P> for SecondOrder<P> {
+impl<P: Parameter> Drift<4, 1, P> for SecondOrder<P> {
     #[inline]
     fn drift<S: Scalar<P>>(&self, [x, v, z, w]: [S; 4]) -> [S; 4] {
         let square = self.omega * self.omega;

@@ -2,7 +2,7 @@ use super::Duffing;
 use crate::error::Result;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Oscillator, Parameter, Parametric, PolynomialDrift};
+use crate::system::{Drift, Oscillator, Parameter, Parametric};
 
 /// A Duffing oscillator that drives a further state by its velocity, with that state's force on it: x″ + c x′ + k x + μ x³ +
 /// a z = ξ, z′ = b x′ − λ z.
@@ -47,7 +47,7 @@ struct NamedFollower<P = f64> {
     kind: Kind,
 }
 
-impl<P: Parameter> PolynomialDrift<3, 1, P> for NamedFollower<P> {
+impl<P: Parameter> Drift<3, 1, P> for NamedFollower<P> {
     #[inline]
     fn drift<S: Scalar<P>>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
         let Follower { oscillator, back, forth, rate } = self.follower;

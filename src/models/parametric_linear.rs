@@ -6,7 +6,7 @@ use crate::numerics::Rule;
 use crate::parametric;
 use crate::provenance::{CLOSED_FORM, Provenance};
 use crate::scalar::Scalar;
-use crate::system::{Intensity, Interpretation, Parameter, PolynomialDrift};
+use crate::system::{Drift, Intensity, Interpretation, Parameter};
 use std::sync::LazyLock;
 
 /// The linear oscillator with noise in damping and stiffness, x″ + 2α x′ (1 + η) + Ω² x (1 + ζ) = ξ, Stratonovich.
@@ -61,7 +61,7 @@ impl ParametricLinear {
     }
 }
 
-impl<P: Parameter> PolynomialDrift<2, 3, P> for ParametricLinear<P> {
+impl<P: Parameter> Drift<2, 3, P> for ParametricLinear<P> {
     #[inline]
     fn drift<S: Scalar<P>>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, -(v * (self.damping * 2.0) + x * self.frequency.powi(2))]

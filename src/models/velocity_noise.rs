@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::parametric;
 use crate::problem::Problem;
 use crate::scalar::Scalar;
-use crate::system::{Interpretation, Parameter, PolynomialDrift};
+use crate::system::{Drift, Interpretation, Parameter};
 
 /// A Duffing oscillator with noise in its velocity, x″ + d(x, x′) + k x + μ x³ = (g₀ + g₁ x′) ξ, in Stratonovich's
 /// sense with ξ of intensity 1, and with the damping that gives it the density C exp(−φ(H)), φ = α H + β H²/2:
@@ -45,7 +45,7 @@ impl<P: Parameter> VelocityNoise<P> {
     }
 }
 
-impl<P: Parameter> PolynomialDrift<2, 1, P> for VelocityNoise<P> {
+impl<P: Parameter> Drift<2, 1, P> for VelocityNoise<P> {
     #[inline]
     fn drift<S: Scalar<P>>(&self, [x, v]: [S; 2]) -> [S; 2] {
         let amplitude = v * self.slope + self.constant;

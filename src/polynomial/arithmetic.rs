@@ -1,20 +1,20 @@
-use super::Polynomial;
+use super::{FunctionOf, Polynomial};
 use std::borrow::Cow;
 use std::ops::{Add, Mul, Neg, Sub};
 
 impl Polynomial {
-    /// The same in at least `states` variables, of which the last ones do not occur.
-    fn widened(&self, states: usize) -> Cow<'_, Polynomial> {
-        if self.dimension >= states {
-            return Cow::Borrowed(self);
-        }
-        let mut wide = Polynomial::zero(states);
-        for (alpha, c) in self.terms() {
-            wide.exponents.extend_from_slice(alpha);
-            wide.exponents.resize(wide.exponents.len() + states - self.dimension, 0);
-            wide.coefficients.push(c);
-        }
-        Cow::Owned(wide)
+    /// Two polynomials in the same variables and functions: those that one of them lacks do not occur in it.
+    fn alike<'a>(one: &'a Self, other: &'a Self) -> [Cow<'a, Self>; 2] {
+        let n = one.dimension.max(other.dimension);
+        let more = other.functions.iter().filter(|of| !one.functions.contains(of));
+        let functions: Vec<FunctionOf> = one.functions.iter().chain(more).cloned().collect();
+        [one, other].map(|p| {
+            if p.dimension == n && p.functions == functions {
+                Cow::Borrowed(p)
+            } else {
+                Cow::Owned(p.with_functions(n, &functions))
+            }
+        })
     }
 }
 
@@ -22,9 +22,9 @@ impl Add for &Polynomial {
     type Output = Polynomial;
 
     fn add(self, other: Self) -> Polynomial {
-        let n = self.dimension.max(other.dimension);
-        let (one, two) = (self.widened(n), other.widened(n));
-        Polynomial::collected(n, one.terms().chain(two.terms()))
+        let [one, two] = Polynomial::alike(self, other);
+        let functions = one.functions.clone();
+        Polynomial::merged(one.dimension, functions, one.terms().chain(two.terms()).collect())
     }
 }
 
@@ -40,8 +40,8 @@ impl Mul for &Polynomial {
     type Output = Polynomial;
 
     fn mul(self, other: Self) -> Polynomial {
-        let n = self.dimension.max(other.dimension);
-        let (one, two) = (self.widened(n), other.widened(n));
+        let [one, two] = Polynomial::alike(self, other);
+        let n = one.width();
         let count = self.coefficients.len() * other.coefficients.len();
         let (mut exponents, mut coefficients) = (Vec::with_capacity(n * count), Vec::with_capacity(count));
         for (a, ca) in one.terms() {
@@ -51,7 +51,8 @@ impl Mul for &Polynomial {
             }
         }
         let terms = coefficients.iter().enumerate().map(|(k, c)| (&exponents[k * n..(k + 1) * n], *c));
-        Polynomial::collected(n, terms)
+        let product = Polynomial::merged(one.dimension, one.functions.clone(), terms.collect());
+        if product.is_plain() { product } else { product.reduced() }
     }
 }
 
@@ -67,7 +68,8 @@ impl Mul<f64> for &Polynomial {
     type Output = Polynomial;
 
     fn mul(self, factor: f64) -> Polynomial {
-        Polynomial::collected(self.dimension, self.terms().map(|(alpha, c)| (alpha, c * factor)))
+        let terms = self.terms().map(|(alpha, c)| (alpha, c * factor)).collect();
+        Polynomial::merged(self.dimension, self.functions.clone(), terms)
     }
 }
 

@@ -18,6 +18,11 @@ pub(crate) fn of_one(states: usize, i: usize, power: u32) -> Vec<u32> {
     (0..states).map(|j| if i == j { power } else { 0 }).collect()
 }
 
+/// Whether a monomial changes its sign where these variables do.
+pub(crate) fn odd(flip: &[bool], alpha: &[u32]) -> bool {
+    flip.iter().zip(alpha).filter(|(flipped, power)| **flipped && **power % 2 == 1).count() % 2 == 1
+}
+
 /// x^α.
 #[inline]
 pub(crate) fn power<S: Scalar>(x: &[S], alpha: &[u32]) -> S {

@@ -1,18 +1,20 @@
-//! Polynomials in any number of variables with real coefficients: arithmetic, derivatives, evaluation, text, Gaussian
-//! moments.
+//! Polynomials in any number of variables with real coefficients, and in functions of these: arithmetic, derivatives, evaluation, text,
+//! Gaussian moments.
 
 mod arithmetic;
 mod exponents;
 mod frame;
 mod gaussian;
+mod of_functions;
 mod symbol;
 mod text;
 
 use exponents::ordered;
-pub(crate) use exponents::{monomials, of_one, power, total_degree};
+pub(crate) use exponents::{monomials, odd, of_one, power, total_degree};
 pub(crate) use frame::Frame;
 pub use gaussian::Gaussian;
-pub(crate) use symbol::{Arena, Symbol, is_real, series};
+pub(crate) use of_functions::FunctionOf;
+pub(crate) use symbol::{Arena, Symbol, is_real};
 pub(crate) use text::twelve_digits;
 
 use crate::checks::dimension;
@@ -25,6 +27,10 @@ use serde::{Deserialize, Serialize};
 ///
 /// Terms whose coefficient is exactly zero are not kept; nothing is ever rounded away. In an operation on polynomials in
 /// different numbers of variables, the variables that one lacks do not occur in it.
+///
+/// It may also be one in *functions* of the variables, such as sin x or |v|, which are further factors of its terms: what a force
+/// with these is. Sums, products, derivatives, values and text are those of the whole; what else is said here of variables and
+/// powers holds without such functions, which [`Polynomial::is_plain`] is there to ask.
 ///
 /// ```
 /// use expoly::Polynomial;
@@ -39,9 +45,11 @@ use serde::{Deserialize, Serialize};
 #[serde(try_from = "PolynomialParts")]
 pub struct Polynomial {
     dimension: usize,
-    /// The exponents of all terms, one term after the other.
+    /// The exponents of all terms, one term after the other: of the variables, then of the functions.
     exponents: Vec<u32>,
     coefficients: Vec<f64>,
+    #[serde(skip)]
+    functions: Vec<FunctionOf>,
 }
 
 /// The parts of a polynomial in a document.
@@ -68,7 +76,7 @@ impl TryFrom<PolynomialParts> for Polynomial {
 impl Polynomial {
     /// The polynomial 0 of `states` variables.
     pub fn zero(states: usize) -> Self {
-        Polynomial { dimension: states, exponents: Vec::new(), coefficients: Vec::new() }
+        Polynomial { dimension: states, exponents: Vec::new(), coefficients: Vec::new(), functions: Vec::new() }
     }
 
     /// A constant.
@@ -115,15 +123,15 @@ impl Polynomial {
 
     /// The sum of terms in any order; those of equal exponents are added in the order in which they come.
     fn collected<'a>(states: usize, terms: impl Iterator<Item = (&'a [u32], f64)>) -> Self {
-        Self::merged(states, terms.collect())
+        Self::merged(states, Vec::new(), terms.collect())
     }
 
-    /// The same of a list, compiled once for all iterators.
-    fn merged(states: usize, mut terms: Vec<(&[u32], f64)>) -> Self {
+    /// The same of a list, with exponents of functions as well, compiled once for all iterators.
+    fn merged(states: usize, functions: Vec<FunctionOf>, mut terms: Vec<(&[u32], f64)>) -> Self {
         if !terms.is_sorted_by(|a, b| ordered(a.0, b.0).is_le()) {
             terms.sort_by(|a, b| ordered(a.0, b.0));
         }
-        let mut p = Self::zero(states);
+        let mut p = Polynomial { functions, ..Self::zero(states) };
         for same in terms.chunk_by(|a, b| a.0 == b.0) {
             let sum = same.iter().fold(0.0, |sum, (_, c)| sum + c);
             if sum != 0.0 {
@@ -131,12 +139,12 @@ impl Polynomial {
                 p.coefficients.push(sum);
             }
         }
-        p
+        p.without_unused()
     }
 
-    /// Adds `coefficient`·x^`alpha`; `alpha` has one exponent for each variable.
+    /// Adds `coefficient`·x^`alpha`; `alpha` has one exponent for each variable and each function.
     pub(crate) fn add_term(&mut self, alpha: &[u32], coefficient: f64) {
-        let n = self.dimension;
+        let n = self.width();
         match self.position(alpha) {
             Ok(k) => {
                 self.coefficients[k] += coefficient;
@@ -167,8 +175,13 @@ impl Polynomial {
         Err(low)
     }
 
+    /// The number of exponents of a term.
+    fn width(&self) -> usize {
+        self.dimension + self.functions.len()
+    }
+
     fn alpha(&self, k: usize) -> &[u32] {
-        &self.exponents[k * self.dimension..(k + 1) * self.dimension]
+        &self.exponents[k * self.width()..(k + 1) * self.width()]
     }
 
     /// The number of variables.
@@ -176,7 +189,8 @@ impl Polynomial {
         self.dimension
     }
 
-    /// The terms (α, c_α), by rising total degree, then with the first variable's higher powers first.
+    /// The terms (α, c_α), by rising total degree, then with the first variable's higher powers first. With functions, their exponents
+    /// follow those of the variables.
     pub fn terms(&self) -> impl DoubleEndedIterator<Item = (&[u32], f64)> + '_ {
         (0..self.coefficients.len()).map(|k| (self.alpha(k), self.coefficients[k]))
     }
@@ -208,27 +222,35 @@ impl Polynomial {
 
     /// The terms that `keep` accepts.
     pub(crate) fn filtered(&self, keep: impl Fn(&[u32], f64) -> bool) -> Self {
-        Polynomial::collected(self.dimension, self.terms().filter(|(alpha, c)| keep(alpha, *c)))
+        let kept = self.terms().filter(|(alpha, c)| keep(alpha, *c)).collect();
+        Polynomial::merged(self.dimension, self.functions.clone(), kept)
     }
 
-    /// ∂p/∂x_i. A variable that the polynomial does not contain gives 0.
+    /// ∂p/∂x_i. A variable that the polynomial does not contain gives 0. That of a jump is left out.
     pub fn derivative(&self, i: usize) -> Self {
-        let mut p = Self::zero(self.dimension);
-        let mut lower = vec![0; self.dimension];
-        for (alpha, c) in self.terms() {
-            let power = alpha.get(i).copied().unwrap_or(0);
-            if power > 0 {
-                lower.copy_from_slice(alpha);
-                lower[i] -= 1;
-                p.add_term(&lower, c * f64::from(power));
-            }
+        if i >= self.dimension {
+            return Self::zero(self.dimension);
         }
-        p
+        let own = self.lowered(i);
+        if self.is_plain() { own } else { self.along_functions(i, own) }
+    }
+
+    /// The derivative by one of its factors, a variable or a function.
+    fn lowered(&self, i: usize) -> Self {
+        let mut p = Polynomial { functions: self.functions.clone(), ..Self::zero(self.dimension) };
+        let mut lower = vec![0; self.width()];
+        for (alpha, c) in self.terms().filter(|(alpha, _)| alpha[i] > 0) {
+            lower.copy_from_slice(alpha);
+            lower[i] -= 1;
+            p.add_term(&lower, c * f64::from(alpha[i]));
+        }
+        p.without_unused()
     }
 
     /// The value at `x`, on any [`Scalar`]; `x` has one number for each variable.
     pub fn evaluate<S: Scalar>(&self, x: &[S]) -> S {
-        self.terms().fold(S::zero(), |sum, (alpha, c)| sum + power(x, alpha) * c)
+        let sum = |x: &[S]| self.terms().fold(S::zero(), |sum, (alpha, c)| sum + power(x, alpha) * c);
+        if self.is_plain() { sum(x) } else { sum(&self.factors(x)) }
     }
 
     /// The gradient ∂p/∂x_i at `x`.
@@ -256,9 +278,14 @@ impl Polynomial {
         self.evaluate(&inner).polynomial(states)
     }
 
-    /// The coefficient of a power of the last variable, a polynomial in the others.
+    /// The coefficient of a power, 0 or 1, of the last variable, where that is as small as powers of it do not count: a polynomial in
+    /// the others.
     pub(crate) fn coefficient_of_last(&self, power: u32) -> Self {
         let n = self.dimension - 1;
+        if !self.is_plain() {
+            let part = if power == 0 { self.clone() } else { self.derivative(n) };
+            return part.compose(&[Polynomial::variables(n), vec![Polynomial::zero(n)]].concat());
+        }
         let mut part = Polynomial::zero(n);
         for (alpha, c) in self.terms().filter(|(alpha, _)| alpha[n] == power) {
             part.add_term(&alpha[..n], c);

@@ -1,4 +1,5 @@
 use super::Polynomial;
+use crate::elementary::Elementary;
 use crate::scalar::Scalar;
 use num_dual::{Dual64, DualNum};
 use num_traits::{One, Zero};
@@ -55,6 +56,25 @@ impl<'a> Symbol<'a> {
         match self.0 {
             Inner::Constant(value) => series(value, states),
             Inner::Stored { arena, index } => arena.stored.borrow()[index].clone(),
+        }
+    }
+
+    /// The number that it is, where it is one.
+    pub(crate) fn number(self) -> Option<Dual64> {
+        match self.0 {
+            Inner::Constant(value) => Some(value),
+            Inner::Stored { .. } => None,
+        }
+    }
+
+    /// The degree and the number of terms.
+    pub(crate) fn size(self) -> (u32, usize) {
+        match self.0 {
+            Inner::Constant(_) => (0, 1),
+            Inner::Stored { arena, index } => {
+                let stored = &arena.stored.borrow()[index];
+                (stored.degree(), stored.terms().count())
+            }
         }
     }
 
@@ -238,9 +258,37 @@ impl One for Symbol<'_> {
     }
 }
 
-impl Scalar for Symbol<'_> {}
+impl Div for Symbol<'_> {
+    type Output = Self;
 
-impl Scalar<Dual64> for Symbol<'_> {}
+    fn div(self, divisor: Self) -> Self {
+        self * divisor.applied(Elementary::Power(-1.0))
+    }
+}
+
+impl Symbol<'_> {
+    /// A function of what it stands for.
+    fn applied(self, function: Elementary) -> Self {
+        match self.0 {
+            // A derivative that is infinite does not matter where there is none.
+            Inner::Constant(value) if is_real(value) => Symbol::from(function.of(value.re)),
+            Inner::Constant(value) => Symbol::from(function.of(value)),
+            Inner::Stored { .. } => self.map(|value| value, |p| p.applied(function)),
+        }
+    }
+}
+
+impl Scalar for Symbol<'_> {
+    fn elementary(self, function: Elementary) -> Self {
+        self.applied(function)
+    }
+}
+
+impl Scalar<Dual64> for Symbol<'_> {
+    fn elementary(self, function: Elementary) -> Self {
+        self.applied(function)
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -1,4 +1,5 @@
-use super::Polynomial;
+use super::{FunctionOf, Polynomial};
+use crate::elementary::Elementary;
 use std::fmt;
 
 /// A polynomial as text with chosen names for its variables.
@@ -70,12 +71,47 @@ impl<A: AsRef<str>> fmt::Display for PolynomialText<'_, A> {
 
 impl<A: AsRef<str>> PolynomialText<'_, A> {
     fn power(&self, i: usize, exponent: u32) -> String {
-        let name = self.names.get(i).map_or("?", AsRef::as_ref);
+        let function =
+            i.checked_sub(self.polynomial.dimension()).map(|k| self.function(&self.polynomial.functions()[k]));
+        let name = match &function {
+            Some(function) => function.as_str(),
+            None => self.names.get(i).map_or("?", AsRef::as_ref),
+        };
         match (exponent, self.latex) {
             (1, _) => name.to_owned(),
             (n, false) => format!("{name}^{n}"),
-            (n, true) if name.contains(['\\', '^']) => format!("{{{name}}}^{{{n}}}"),
+            (n, true) if name.contains(['\\', '^', '|']) => format!("{{{name}}}^{{{n}}}"),
             (n, true) => format!("{name}^{{{n}}}"),
+        }
+    }
+
+    /// A function of a polynomial.
+    fn function(&self, FunctionOf { function, argument }: &FunctionOf) -> String {
+        if !self.latex {
+            let inner = argument.text(self.names);
+            return match (*function, function.name()) {
+                (Elementary::PositivePower(p), Some(name)) if p != 0.0 && p != 1.0 => format!("{name}({inner})^{p}"),
+                (_, Some(name)) => format!("{name}({inner})"),
+                (Elementary::Power(p), None) if p < 0.0 => format!("({inner})^({p})"),
+                (Elementary::Power(p), None) => format!("({inner})^{p}"),
+                (_, None) => format!("({inner})"),
+            };
+        }
+        let inner = argument.latex(self.names);
+        let named = |name: &str| format!(r"{name}\left({inner}\right)");
+        match *function {
+            Elementary::Sin => named(r"\sin"),
+            Elementary::Cos => named(r"\cos"),
+            Elementary::Tanh => named(r"\tanh"),
+            Elementary::Atan => named(r"\arctan"),
+            Elementary::Exp => named(r"\exp"),
+            Elementary::Ln => named(r"\ln"),
+            Elementary::Sign => named(r"\operatorname{sgn}"),
+            Elementary::Power(0.5) => format!(r"\sqrt{{{inner}}}"),
+            Elementary::Power(p) => format!(r"\left({inner}\right)^{{{p}}}"),
+            Elementary::Abs => format!(r"\left|{inner}\right|"),
+            Elementary::PositivePower(1.0) => format!(r"\left({inner}\right)_+"),
+            Elementary::PositivePower(p) => format!(r"\left({inner}\right)_+^{{{p}}}"),
         }
     }
 

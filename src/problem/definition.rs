@@ -1,23 +1,25 @@
 //! Problems from their definitions.
 
 use super::family::{Family, Lifted};
-use super::{Problem, SystemEquations};
+use super::surfaces::Split;
+use super::{Problem, Surfaces, SystemEquations};
 use crate::checks::dimension;
+use crate::elementary::Elementary;
 use crate::error::{Error, Result};
 use crate::field::{Field, Fixed, PolynomialField};
 use crate::fokker_planck::{FokkerPlanck, Impulse, noise_induced_drift};
 use crate::polynomial::{Arena, Polynomial, Symbol};
 use crate::scalar::Scalar;
-use crate::system::{Interpretation, Parameter, Parametric, PolynomialDrift, PolynomialSystem};
+use crate::system::{Drift, Interpretation, Parameter, Parametric, System};
 use num_dual::Dual64;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// What a [`Problem`] is made of: every [`PolynomialDrift`], every [`Oscillator`](crate::Oscillator) and every [`PolynomialSystem`].
+/// What a [`Problem`] is made of: every [`Drift`], every [`Oscillator`](crate::Oscillator) and every [`System`].
 /// Which of these it is, its form, is found when it is compiled.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no definition of a system",
-    note = "implement `Oscillator`, `PolynomialDrift` or `PolynomialSystem` for it"
+    note = "implement `Oscillator`, `Drift` or `System` for it"
 )]
 pub trait Definition<Form>: 'static {
     #[doc(hidden)]
@@ -27,7 +29,7 @@ pub trait Definition<Form>: 'static {
 /// A definition with dual numbers for its parameters.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no parameters that are dual numbers",
-    note = "implement `Oscillator<P>`, `PolynomialDrift<N, M, P>` or `PolynomialSystem<P>` for every `P: Parameter`"
+    note = "implement `Oscillator<P>`, `Drift<N, M, P>` or `System<P>` for every `P: Parameter`"
 )]
 pub trait Differentiated<Form> {
     /// The system with one state more, the ε of its dual numbers.
@@ -43,7 +45,7 @@ pub struct Arrays<const N: usize, const M: usize>;
 #[derive(Debug)]
 pub struct Slices;
 
-impl<T: PolynomialDrift<N, M> + 'static, const N: usize, const M: usize> Definition<Arrays<N, M>> for T {
+impl<T: Drift<N, M> + 'static, const N: usize, const M: usize> Definition<Arrays<N, M>> for T {
     fn parts(self) -> Result<SystemParts> {
         let (equations, names) = (fixed(&self, 0), self.names());
         Ok(SystemParts {
@@ -54,19 +56,19 @@ impl<T: PolynomialDrift<N, M> + 'static, const N: usize, const M: usize> Definit
     }
 }
 
-impl<T: PolynomialSystem + 'static> Definition<Slices> for T {
+impl<T: System + 'static> Definition<Slices> for T {
     fn parts(self) -> Result<SystemParts> {
         Ok(SystemParts::of_polynomials(any_size(&self, 0)?, self.names()))
     }
 }
 
-impl<T: PolynomialDrift<N, M, Dual64>, const N: usize, const M: usize> Differentiated<Arrays<N, M>> for T {
+impl<T: Drift<N, M, Dual64>, const N: usize, const M: usize> Differentiated<Arrays<N, M>> for T {
     fn lifted(&self) -> Result<Lifted> {
         fixed(self, 1).lifted()
     }
 }
 
-impl<T: PolynomialSystem<Dual64>> Differentiated<Slices> for T {
+impl<T: System<Dual64>> Differentiated<Slices> for T {
     fn lifted(&self) -> Result<Lifted> {
         any_size(self, 1)?.lifted()
     }
@@ -98,14 +100,14 @@ pub(super) struct PolynomialForm<P> {
 }
 
 impl Problem {
-    /// The problem of a system: of a [`PolynomialDrift`], an [`Oscillator`](crate::Oscillator) or a [`PolynomialSystem`]. The
+    /// The problem of a system: of a [`Drift`], an [`Oscillator`](crate::Oscillator) or a [`System`]. The
     /// parameters of a [`Parametric`] one have names by [`Problem::parametric`].
     ///
     /// # Errors
     /// [`Error::NotFinite`] if a coefficient, or a product of two in the noise, is NaN or infinite, [`Error::OutOfRange`] for a
     /// degree above 60, [`Error::NoDensity`] if noise and impulses vanish identically;
     /// [`Error::Dimension`], [`Error::NotAName`] if the names do not fit the states;
-    /// [`Error::Dimension`] where a [`PolynomialSystem`]'s drift or noise do not have its stated length.
+    /// [`Error::Dimension`] where a [`System`]'s drift or noise do not have its stated length.
     pub fn of<Form>(system: impl Definition<Form>) -> Result<Self> {
         system.parts()?.problem(Vec::new(), None)
     }
@@ -152,7 +154,7 @@ fn parameters_of<T: Parametric<With<f64> = T>>(system: &T) -> Result<(Vec<(Strin
 /// The equations of a system as polynomials in its states and `more` variables.
 fn fixed<P: Parameter, T, const N: usize, const M: usize>(system: &T, more: usize) -> PolynomialForm<P>
 where
-    T: PolynomialDrift<N, M, P>,
+    T: Drift<N, M, P>,
     for<'a> Symbol<'a>: Scalar<P>,
 {
     let n = N + more;
@@ -170,7 +172,7 @@ where
 }
 
 /// The same for a number of states at run time.
-fn any_size<P: Parameter, T: PolynomialSystem<P>>(system: &T, more: usize) -> Result<PolynomialForm<P>>
+fn any_size<P: Parameter, T: System<P>>(system: &T, more: usize) -> Result<PolynomialForm<P>>
 where
     for<'a> Symbol<'a>: Scalar<P>,
 {
@@ -245,12 +247,24 @@ impl SystemParts {
         let n = equations.drift.len();
         let operator = equations.operator()?;
         let PolynomialForm { drift, columns, interpretation, .. } = equations;
+        let roots = roots(&columns, &operator).filter(|_| interpretation == Interpretation::Ito);
+        let by_roots = roots.is_some();
+        let columns = roots.unwrap_or(columns);
         let pairs = (0..n).filter_map(|i| operator.velocity_of(i).map(|j| (i, j)));
         let displacements: Vec<_> = pairs.filter(|&(_, j)| operator.velocity_of(j).is_none()).collect();
         let states = named(names, n, &displacements)?;
         let induced = !noise_induced_drift(&columns, n).iter().all(Polynomial::is_zero);
         let field = field(induced && interpretation == Interpretation::Stratonovich);
         let constant_noise = columns.iter().flatten().all(|entry| entry.degree() == 0);
+        let surfaces = Surfaces::of(&operator);
+        let split = Split::of(&drift, &surfaces.straight, constant_noise);
+        let bridged = !split.bridges.is_empty();
+        let field: Box<dyn Field> = if bridged || by_roots {
+            let whole = PolynomialField::new(&drift, &columns, false);
+            Box::new(whole.bridged(split.bridges, &split.pushes, &split.rest))
+        } else {
+            field
+        };
         let equations = SystemEquations {
             states,
             parameters,
@@ -260,11 +274,26 @@ impl SystemParts {
             operator,
             constant_noise,
             displacements,
+            surfaces,
+            bridged,
             field,
             family,
         };
         Ok(Problem::open(Arc::new(equations)))
     }
+}
+
+/// The columns of a G with the same B where G has functions of the states and B is a diagonal of polynomials: √B, which is defined
+/// wherever B is not below zero. Noises σ₁ and σ₂ √x have B = σ₁² + σ₂² x.
+fn roots(columns: &[Vec<Polynomial>], operator: &FokkerPlanck) -> Option<Vec<Vec<Polynomial>>> {
+    let n = operator.dimension();
+    let plain = operator.diffusion().iter().flatten().all(Polynomial::is_plain);
+    if columns.iter().flatten().all(Polynomial::is_plain) || !plain || !operator.coupled().is_empty() {
+        return None;
+    }
+    let driven = (0..n).filter(|&i| !operator.diffusion()[i][i].is_zero());
+    let root = |i: usize| operator.diffusion()[i][i].applied(Elementary::PositivePower(0.5));
+    Some(driven.map(|i| (0..n).map(|j| if i == j { root(i) } else { Polynomial::zero(n) }).collect()).collect())
 }
 
 /// The names that were given, or the usual ones.

@@ -1,9 +1,10 @@
 //! Problems at other values of their parameters, and the derivatives of their equations.
 
 use super::{Motion, Problem};
+use crate::elementary::Elementary;
 use crate::error::{Error, Result};
 use crate::fokker_planck::{FokkerPlanck, Impulse};
-use crate::polynomial::is_real;
+use crate::polynomial::{FunctionOf, Polynomial, is_real};
 use crate::walls::Wall;
 use num_dual::Dual64;
 
@@ -34,8 +35,23 @@ pub struct Lifted {
 
 impl Lifted {
     /// The coefficient of ε in the operator.
-    fn derivative(&self) -> FokkerPlanck {
-        self.operator.derivative(&self.impulses)
+    ///
+    /// # Errors
+    /// [`Error::NotServed`] where a jump moves with ε: the derivative of the drift is infinite there.
+    fn derivative(&self) -> Result<FokkerPlanck> {
+        let n = self.operator.dimension() - 1;
+        let jumps = |of: &&FunctionOf| matches!(of.function, Elementary::Sign | Elementary::PositivePower(0.0));
+        let all = self.operator.drift().iter().flat_map(Polynomial::all_functions).filter(jumps);
+        if all.into_iter().any(|of| of.argument.contains(n)) {
+            let (method, what) =
+                ("automatic differentiation", "derivatives by a parameter that moves a jump of the drift");
+            return Err(Error::NotServed {
+                method,
+                what,
+                remedy: "take differences of two densities, at `Problem::with_parameter`",
+            });
+        }
+        Ok(self.operator.derivative(&self.impulses))
     }
 }
 
@@ -77,7 +93,7 @@ impl Problem {
                 (made, walls)
             }
         };
-        walls.into_iter().try_fold(made.without_walls(), Self::with_wall)
+        walls.into_iter().chain(self.ends.iter().copied()).try_fold(made.without_walls(), Self::with_wall)
     }
 
     /// The derivative of the Fokker-Planck operator by a parameter, ∂f/∂θ and ∂B/∂θ of the Itô drift f and of B = G Gᵀ. It is exact:
@@ -107,7 +123,7 @@ impl Problem {
                 "take the derivative of a density: `GridDensity::sensitivities` or `ClosureDensity::sensitivity`";
             return Err(Error::NotServed { method, what, remedy });
         };
-        let derivative = lifted.derivative();
+        let derivative = lifted.derivative()?;
         if derivative.is_zero() { Err(independent(parameter)) } else { Ok(derivative) }
     }
 
@@ -127,7 +143,7 @@ impl Problem {
             let follows = self.follows(family, wall);
             *rates = [0, 1].map(|k| if follows[k] { numbers[k].eps } else { 0.0 });
         }
-        let motion = Motion { operator: lifted.derivative(), walls };
+        let motion = Motion { operator: lifted.derivative()?, walls };
         let fixed = motion.operator.is_zero() && motion.walls.iter().flatten().all(|rate| *rate == 0.0);
         if fixed { Err(independent(parameter)) } else { Ok(motion) }
     }

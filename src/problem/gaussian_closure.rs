@@ -11,6 +11,9 @@ use std::convert::Infallible;
 
 /// Pseudo-time steps before the closure gives up; ordinary systems need 10 to 40.
 const MAX_STEPS: usize = 400;
+/// The variances from which it starts, one after the other until it settles: under a wide Gaussian the mean of an exponential hides all
+/// else.
+const STARTS: [f64; 4] = [1.0, 0.1, 1e-2, 1e-3];
 /// Solutions of a linear system, the first one and those for what it leaves.
 const REFINED: usize = 4;
 /// A variance that has grown by this factor is taken to grow for ever.
@@ -30,13 +33,16 @@ pub(super) fn gaussian_closure(operator: &FokkerPlanck) -> Result<Gaussian> {
     // Impulses enter equations of first and second order by their mean and their mean square.
     let operator = operator.diffusive();
     let (units, time) = natural_units(&operator)?;
-    let found = in_natural_units(&operator.in_frame(&units).in_time(time))?;
+    let scaled = operator.in_frame(&units).in_time(time);
+    let starts = if scaled.is_polynomial() { &STARTS[..1] } else { &STARTS[..] };
+    let from = |variance: &f64| in_natural_units(&scaled, *variance);
+    let found = starts[1..].iter().fold(from(&starts[0]), |found, variance| found.or_else(|_| from(variance)))?;
     let scale = units.scale();
     Ok(Gaussian { mean: scale * found.mean, covariance: scale * found.covariance * scale.transpose() })
 }
 
-/// The closure of a system with coefficients of order one.
-fn in_natural_units(operator: &FokkerPlanck) -> Result<Gaussian> {
+/// The closure of a system with coefficients of order one, from a variance of all states.
+fn in_natural_units(operator: &FokkerPlanck, variance: f64) -> Result<Gaussian> {
     let n = operator.dimension();
     let equations = MomentEquations::new(operator);
     if operator.is_linear() {
@@ -48,7 +54,7 @@ fn in_natural_units(operator: &FokkerPlanck) -> Result<Gaussian> {
             return Ok(found);
         }
     }
-    let mut state = Gaussian { mean: DVector::zeros(n), covariance: DMatrix::identity(n, n) };
+    let mut state = Gaussian { mean: DVector::zeros(n), covariance: DMatrix::identity(n, n) * variance };
     let mut rate = equations.rate(&state);
     let mut step = 0.1 / rate.norm().max(1e-3);
     for _ in 0..MAX_STEPS {
@@ -114,17 +120,30 @@ struct MomentEquations {
     drift: Vec<Polynomial>,
     slopes: Vec<Vec<Polynomial>>,
     diffusion: Vec<Vec<Polynomial>>,
+    /// Where it has functions, which are polynomials near a Gaussian alone.
+    whole: Option<FokkerPlanck>,
 }
 
 impl MomentEquations {
     fn new(operator: &FokkerPlanck) -> Self {
+        let whole = (!operator.is_polynomial()).then(|| operator.clone());
+        MomentEquations { whole, ..MomentEquations::of_polynomials(operator) }
+    }
+
+    fn of_polynomials(operator: &FokkerPlanck) -> Self {
         let n = operator.dimension();
         let slopes = |f: &Polynomial| (0..n).map(|j| f.derivative(j)).collect();
         MomentEquations {
             drift: operator.drift().to_vec(),
             slopes: operator.drift().iter().map(slopes).collect(),
             diffusion: operator.diffusion().to_vec(),
+            whole: None,
         }
+    }
+
+    /// Those that hold near a Gaussian.
+    fn near(&self, state: &Gaussian) -> Option<Self> {
+        self.whole.as_ref().map(|whole| MomentEquations::of_polynomials(&whole.near(state)))
     }
 
     fn dimension(&self) -> usize {
@@ -151,6 +170,9 @@ impl MomentEquations {
     }
 
     fn rate(&self, state: &Gaussian) -> DVector<f64> {
+        if let Some(near) = self.near(state) {
+            return near.rate(state);
+        }
         let n = self.dimension();
         let slopes = DMatrix::from_fn(n, n, |i, j| state.expectation(&self.slopes[i][j]));
         let half = slopes * &state.covariance;
@@ -160,6 +182,9 @@ impl MomentEquations {
     }
 
     fn jacobian(&self, state: &Gaussian) -> DMatrix<f64> {
+        if let Some(near) = self.near(state) {
+            return near.jacobian(state);
+        }
         let n = self.dimension();
         let size = n + n * (n + 1) / 2;
         let mean = |p: &Polynomial| if p.is_zero() { 0.0 } else { state.expectation(p) };

@@ -17,12 +17,16 @@ impl Problem {
         };
         let parameters = self.equations.parameters.clone();
         let mirrored = Problem::of_polynomials(form, self.states().to_vec(), parameters, None)?;
-        self.walls().iter().try_fold(mirrored, |problem, wall| problem.with_wall(wall.mirrored()))
+        self.walls().iter().chain(self.ends()).try_fold(mirrored, |problem, wall| problem.with_wall(wall.mirrored()))
     }
 }
 
 /// −p(−x).
 fn turned(p: &Polynomial) -> Result<Polynomial> {
+    if !p.is_plain() {
+        let mirrored: Vec<Polynomial> = Polynomial::variables(p.dimension()).into_iter().map(|x| -x).collect();
+        return Ok(-p.compose(&mirrored));
+    }
     let sign = |alpha: &[u32]| if total_degree(alpha) % 2 == 1 { 1.0 } else { -1.0 };
     Polynomial::from_terms(p.dimension(), p.terms().map(|(alpha, c)| (alpha, sign(alpha) * c)))
 }

@@ -2,6 +2,7 @@
 
 mod contacts;
 mod definition;
+mod ends;
 mod expression;
 mod family;
 mod gaussian_closure;
@@ -9,6 +10,7 @@ mod impulses;
 mod mirror;
 mod modulated_moments;
 mod motion;
+mod surfaces;
 mod symmetry;
 mod text;
 mod time_scales;
@@ -21,7 +23,9 @@ pub use definition::Definition;
 pub(crate) use gaussian_closure::{gaussian_after, linear_after};
 pub(crate) use modulated_moments::ModulatedMoments;
 pub(crate) use motion::{Motion, PlaneMotion, StillMotion};
-pub(crate) use symmetry::{Symmetry, odd};
+pub use surfaces::Surface;
+pub(crate) use surfaces::Surfaces;
+pub(crate) use symmetry::Symmetry;
 pub(crate) use time_scales::{TimeScales, two_digits};
 
 use crate::error::{Error, Result};
@@ -37,7 +41,7 @@ use std::sync::Arc;
 
 /// A random dynamical system as data, with its walls. Every method takes one.
 ///
-/// It is made once from a [`PolynomialDrift`](crate::PolynomialDrift), an [`Oscillator`](crate::Oscillator) or a [`PolynomialSystem`](crate::PolynomialSystem), owns it, can
+/// It is made once from a [`Drift`](crate::Drift), an [`Oscillator`](crate::Oscillator) or a [`System`](crate::System), owns it, can
 /// be cloned at no cost, sent to other threads and kept in lists beside problems of other dimensions. It holds the system
 /// twice: as polynomials, where algebra is exact, and as the definition itself, which automatic differentiation works on.
 ///
@@ -53,6 +57,10 @@ use std::sync::Arc;
 pub struct Problem {
     equations: Arc<SystemEquations>,
     walls: Vec<Wall>,
+    /// Walls of states that are no displacements, which reflect them.
+    ends: Vec<Wall>,
+    /// The evaluation in time steps next to ends.
+    beside_ends: Option<Arc<dyn Field>>,
     /// Those of the equations, then those of each wall.
     parameters: Arc<[(String, f64)]>,
 }
@@ -68,20 +76,27 @@ struct SystemEquations {
     /// Whether G is the same at all states.
     constant_noise: bool,
     displacements: Vec<(usize, usize)>,
+    surfaces: Surfaces,
+    /// Whether a jump of the drift acts together with the noise in the steps of trajectories.
+    bridged: bool,
     field: Box<dyn Field>,
     /// The same system at other values of its parameters.
     family: Option<Box<dyn Family>>,
 }
 
 impl Problem {
-    /// The same with one more wall.
+    /// The same with one more wall. On a state that is no displacement, and that noise of its own drives, a wall with r = 1 is a
+    /// reflecting end ([`Problem::ends`]): no probability passes it.
     ///
     /// # Errors
-    /// [`Error::NotADisplacement`] unless some state is the velocity of the wall's, and of its other body's; [`Error::OutOfRange`]
+    /// [`Error::NotADisplacement`] unless some state is the velocity of the wall's, and of its other body's, or it is such an end; [`Error::OutOfRange`]
     /// for a second wall on the same side, a body that hits itself, or walls that leave the motion no room; [`Error::NotAName`]
     /// where a parameter of the wall ([`Problem::parameters`]) would have the name of another one.
     pub fn with_wall(mut self, wall: Wall) -> Result<Self> {
         let wall = wall.checked()?;
+        if self.is_end(&wall) {
+            return self.with_end(wall);
+        }
         for state in std::iter::once(wall.state()).chain(wall.other()) {
             if self.velocity_of(state).is_none() {
                 return Err(Error::NotADisplacement { state });
@@ -125,7 +140,7 @@ impl Problem {
     /// The problem of equations, without walls.
     fn open(equations: Arc<SystemEquations>) -> Self {
         let parameters = equations.parameters.iter().cloned().collect();
-        Problem { equations, walls: Vec::new(), parameters }
+        Problem { equations, walls: Vec::new(), ends: Vec::new(), beside_ends: None, parameters }
     }
 
     /// The number of states.
@@ -195,6 +210,30 @@ impl Problem {
         self.equations.interpretation
     }
 
+    /// The places of single states where the drift has a kink or a jump, found from the arguments of |·|, sign, step and max.
+    ///
+    /// ```
+    /// use expoly::Problem;
+    /// let text = "states = ['x', 'v']\ndrift = { x = 'v', v = '-x - 0.2*sign(v) - pos(x - 0.5)' }\nnoise.w.v = '0.5'";
+    /// let problem = Problem::from_toml(text)?;
+    /// let surfaces: Vec<_> = problem.surfaces().iter().map(|found| (found.state, found.place, found.order)).collect();
+    /// assert_eq!(surfaces, [(1, 0.0, 0.0), (0, 0.5, 1.0)]);
+    /// # Ok::<(), expoly::Error>(())
+    /// ```
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.equations.surfaces.straight
+    }
+
+    /// Whether a jump of the drift, or a reflecting end, acts together with the noise in the steps of trajectories.
+    pub(crate) fn is_bridged(&self) -> bool {
+        self.equations.bridged || !self.ends.is_empty()
+    }
+
+    /// Whether the drift has a kink or a jump anywhere, or an end reflects the motion.
+    pub(crate) fn is_bent(&self) -> bool {
+        !self.equations.surfaces.are_none() || !self.ends.is_empty()
+    }
+
     /// The displacements, each with the state that is its velocity.
     pub fn displacements(&self) -> &[(usize, usize)] {
         &self.equations.displacements
@@ -233,13 +272,14 @@ impl Problem {
 
     /// The definition itself, for evaluation at points.
     pub(crate) fn field(&self) -> &dyn Field {
-        &*self.equations.field
+        self.beside_ends.as_deref().unwrap_or(&*self.equations.field)
     }
 
     /// The sign changes of states that leave the Fokker-Planck equation as it is, and every wall where it is.
     pub(crate) fn symmetry(&self) -> Symmetry {
-        Symmetry::of(self.operator())
-            .without_flips_of(self.walls().iter().flat_map(|wall| [Some(wall.state()), wall.other()]).flatten())
+        Symmetry::of(self.operator()).without_flips_of(
+            self.walls().iter().chain(self.ends()).flat_map(|wall| [Some(wall.state()), wall.other()]).flatten(),
+        )
     }
 
     /// The Itô drift and, by rows, the diffusion matrix at a point.

@@ -44,8 +44,9 @@ impl ModulatedMoments {
 
     /// The rates of change of mean and covariance.
     fn rate(&self, state: &Gaussian, squared: f64) -> Gaussian {
+        let drifts = self.drifts.each_ref().map(|drift| drift.iter().map(|f| state.projected(f)).collect::<Vec<_>>());
         let mean = |of: &dyn Fn(&Polynomial) -> Polynomial, i: usize| {
-            let [still, induced] = self.drifts.each_ref().map(|drift| state.expectation(&of(&drift[i])));
+            let [still, induced] = drifts.each_ref().map(|drift| state.expectation(&of(&drift[i])));
             still + squared * induced
         };
         let n = state.mean.len();

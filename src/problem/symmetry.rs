@@ -1,5 +1,6 @@
+use crate::elementary::Parity;
 use crate::fokker_planck::{FokkerPlanck, ImpulseTerm};
-use crate::polynomial::Polynomial;
+use crate::polynomial::{Polynomial, odd};
 use nalgebra::DMatrix;
 
 /// The most states whose sign changes are searched one by one; beyond, only that of all states together.
@@ -52,7 +53,7 @@ impl Symmetry {
     }
 
     /// Those that flip none of these states.
-    pub(super) fn without_flips_of(mut self, states: impl Iterator<Item = usize>) -> Self {
+    pub(crate) fn without_flips_of(mut self, states: impl Iterator<Item = usize>) -> Self {
         states.for_each(|state| self.changes.retain(|flip| !flip[state]));
         self
     }
@@ -69,6 +70,11 @@ impl Symmetry {
     /// The changes, the first of which flips none: whether each flips a state.
     pub(crate) fn changes(&self) -> &[Vec<bool>] {
         &self.changes
+    }
+
+    /// The number of states.
+    pub(crate) fn dimension(&self) -> usize {
+        self.changes.first().map_or(0, Vec::len)
     }
 
     /// Whether a monomial is the same at all mirror images.
@@ -137,12 +143,7 @@ impl Symmetry {
 
 /// Whether a polynomial changes its sign where these states do, or does not, by `sign`.
 fn turns(p: &Polynomial, flip: &[bool], sign: bool) -> bool {
-    p.terms().all(|(alpha, _)| odd(flip, alpha) == sign)
-}
-
-/// Whether a monomial changes its sign where these states do.
-pub(crate) fn odd(flip: &[bool], alpha: &[u32]) -> bool {
-    flip.iter().zip(alpha).filter(|(flipped, power)| **flipped && **power % 2 == 1).count() % 2 == 1
+    p.is_zero() || p.parity(flip) == if sign { Parity::Odd } else { Parity::Even }
 }
 
 #[cfg(test)]

@@ -38,7 +38,8 @@ impl TimeScales {
     /// [`Error::OutOfRange`] where coefficients differ so much that no units are finite.
     pub(crate) fn of(problem: &Problem) -> Result<Self> {
         let (gaussian, settles) = near(problem)?;
-        let fastest = fastest(problem, &gaussian).max(between_walls(problem)).max(f64::MIN_POSITIVE);
+        let fastest = fastest(problem, &gaussian).max(between_walls(problem)).max(between_ends(problem));
+        let fastest = fastest.max(f64::MIN_POSITIVE);
         let slowest = slowest(problem, &gaussian).max(SLOWEST * fastest);
         Ok(TimeScales { fastest, slowest, settles })
     }
@@ -64,7 +65,7 @@ impl TimeScales {
     /// [`Error::NoDensity`].
     pub(crate) fn require_drift(problem: &Problem) -> Result<()> {
         let driftless = problem.operator().drift().iter().all(|f| f.degree() == 0);
-        if driftless { Err(Error::no_density(DRIFTLESS)) } else { Ok(()) }
+        if driftless && problem.ends().is_empty() { Err(Error::no_density(DRIFTLESS)) } else { Ok(()) }
     }
 
     /// Refuses rates of the linearised system that are too far apart.
@@ -184,9 +185,20 @@ fn between_walls(problem: &Problem) -> f64 {
     pairs.filter(|(a, b)| facing(a, b)).map(|(a, b)| rate(a, b)).filter(|rate| rate.is_finite()).fold(0.0, f64::max)
 }
 
+/// The largest rate π² D / L² at which noise of the intensity D evens out a density between two reflecting ends at the distance L.
+fn between_ends(problem: &Problem) -> f64 {
+    let rate = |state: usize| {
+        let [Some(low), Some(high)] = problem.end_limits(state) else { return 0.0 };
+        let intensity = problem.operator().diffusion()[state][state].constant_term() / 2.0;
+        (std::f64::consts::PI / (high - low)).powi(2) * intensity
+    };
+    (0..problem.dimension()).map(rate).fold(0.0, f64::max)
+}
+
 fn mean_jacobian(problem: &Problem, gaussian: &Gaussian) -> DMatrix<f64> {
     let n = problem.dimension();
-    let slope = |i: usize, j: usize| gaussian.expectation(&problem.operator().drift()[i].derivative(j));
+    let near = problem.operator().near(gaussian);
+    let slope = |i: usize, j: usize| gaussian.expectation(&near.drift()[i].derivative(j));
     DMatrix::from_fn(n, n, slope)
 }
 

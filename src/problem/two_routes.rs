@@ -12,7 +12,7 @@ use crate::models::{
 use crate::numerics::Lanes;
 use crate::polynomial::{Polynomial, monomials, power};
 use crate::scalar::Scalar;
-use crate::system::{Interpretation, PolynomialDrift};
+use crate::system::{Drift, Interpretation};
 use pulp::Arch;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 
@@ -20,7 +20,7 @@ use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 #[derive(Clone, Copy)]
 struct Dense(Interpretation);
 
-impl PolynomialDrift<3, 2> for Dense {
+impl Drift<3, 2> for Dense {
     fn drift<S: Scalar>(&self, [x, y, z]: [S; 3]) -> [S; 3] {
         [(y - x) * 10.0, x * 28.0 - y - x * z, x * y - z * (8.0 / 3.0)]
     }
@@ -34,7 +34,25 @@ impl PolynomialDrift<3, 2> for Dense {
     }
 }
 
-/// Every model, and a system with all the features that no model has.
+/// Functions of the states in drift and noise, with kinks and without.
+struct Functional(Interpretation);
+
+impl Drift<2, 1> for Functional {
+    fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
+        let spring = x * ((x.powi(2) + 0.3).sqrt() - 1.0) / (x.powi(2) + 1.0) + (x - 0.5).positive_power(1.5);
+        [v, -(v.abs() * v * 0.2 + v.tanh() * 0.3 + v.sign() * 0.1 + spring + (x * 2.0).sin())]
+    }
+
+    fn noise<S: Scalar>(&self, [x, _]: [S; 2]) -> [[S; 1]; 2] {
+        [[S::from(0.1)], [x.cos() * 0.3 + (-(x.powi(2))).exp()]]
+    }
+
+    fn interpretation(&self) -> Interpretation {
+        self.0
+    }
+}
+
+/// Every model, and systems with all the features that no model has.
 fn problems() -> Result<Vec<Problem>> {
     let duffing = Duffing::new(0.2, 1.0, 0.3, 0.2)?;
     Ok(vec![
@@ -58,6 +76,8 @@ fn problems() -> Result<Vec<Problem>> {
         FilteredDuffing::second_order(duffing, 1.5, 0.2)?.problem()?,
         Problem::of(Dense(Interpretation::Ito))?,
         Problem::of(Dense(Interpretation::Stratonovich))?,
+        Problem::of(Functional(Interpretation::Ito))?,
+        Problem::of(Functional(Interpretation::Stratonovich))?,
     ])
 }
 

@@ -65,6 +65,7 @@ impl Wall {
                 ("other than a displacement and its velocity", "write these two states, in this order");
             return Err(Error::NotServed { method: "transformation of Zhuravlev", what, remedy });
         }
+        problem.operator().require_polynomial("transformation of Zhuravlev")?;
         let [u, w] = [0, 1].map(|i| Polynomial::variable(2, i));
         let force = (&problem.operator().drift()[1] * -1.0).compose(&[u + self.offset(), w]);
         let mut text = String::from("x''");

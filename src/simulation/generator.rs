@@ -39,20 +39,10 @@ impl ControlVariates {
     /// is a part of the histograms' range, so that runs that can be merged have the same; a state's walls are sides of it. So many
     /// functions are tracked.
     ///
-    /// There are none where impulses depend on the state by a higher degree than the first.
+    /// Those whose images jump are left out, and there are none where impulses depend on the state by a higher degree than the first.
     pub(super) fn new(problem: &Problem, axes: &[Axis], tracked: usize, trajectories: usize) -> Self {
         let (symmetry, walls) = (problem.symmetry(), problem.walls());
         let states = axes.len();
-        let mut exponents = Vec::new();
-        for degree in (2..=HIGHEST).step_by(2) {
-            let mut all = monomials(states, degree);
-            all.retain(|alpha| alpha.iter().any(|&power| power > 0) && symmetry.keeps(alpha));
-            sort_by_number(&mut all, |alpha| f64::from(alpha.iter().sum::<u32>()));
-            if !fits(states, all.len(), tracked, trajectories) {
-                break;
-            }
-            exponents = all;
-        }
         let side = |(i, axis): (usize, &Axis)| {
             let (lo, hi) = (axis.edge(0), axis.edge(axis.bins()));
             let half_width = BOX * (hi - lo) / 2.0;
@@ -68,6 +58,17 @@ impl ControlVariates {
             }
         };
         let (centre, half_width): (Vec<f64>, Vec<f64>) = axes.iter().enumerate().map(side).unzip();
+        let mut exponents = Vec::new();
+        for degree in (2..=HIGHEST).step_by(2) {
+            let mut all = monomials(states, degree);
+            all.retain(|alpha| alpha.iter().any(|&power| power > 0) && symmetry.keeps(alpha));
+            all.retain(|alpha| problem.has_continuous_image(alpha, &centre));
+            sort_by_number(&mut all, |alpha| f64::from(alpha.iter().sum::<u32>()));
+            if !fits(states, all.len(), tracked, trajectories) {
+                break;
+            }
+            exponents = all;
+        }
         if problem.impulses().is_empty() {
             return ControlVariates { centre, half_width, exponents, impulses: Vec::new() };
         }

@@ -40,7 +40,10 @@ pub(super) struct Plan {
 
 /// The Itô equations of a problem as text, every coefficient with all its digits.
 pub(crate) fn equations(problem: &Problem) -> Vec<String> {
-    let text = |p: &Polynomial| p.terms().map(|(m, c)| format!("{c:?} x^{m:?}")).collect::<Vec<_>>().join(" + ");
+    let text = |p: &Polynomial| {
+        let terms = p.terms().map(|(m, c)| format!("{c:?} x^{m:?}")).collect::<Vec<_>>().join(" + ");
+        if p.is_plain() { terms } else { format!("{terms} with {:?}", p.functions()) }
+    };
     let rows = problem.operator().drift().iter().enumerate();
     rows.map(|(i, drift)| {
         let columns = problem.columns().iter().enumerate();

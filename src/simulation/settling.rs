@@ -177,12 +177,12 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::scalar::Scalar;
-    use crate::system::PolynomialDrift;
+    use crate::system::Drift;
 
     /// x″ = −x under noise on the velocity that hardly depends on the states, by as many terms as a factor that is not 0 makes.
     struct Undamped(f64);
 
-    impl PolynomialDrift<2, 1> for Undamped {
+    impl Drift<2, 1> for Undamped {
         fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
             [v, -x]
         }

@@ -27,6 +27,7 @@ use crate::problem::Problem;
 pub fn energy_balance(problem: &Problem, density: &dyn Density) -> Result<Estimate> {
     let velocity = problem.velocity_of(0).ok_or(Error::NotADisplacement { state: 0 })?;
     let operator = problem.operator();
+    operator.require_polynomial("energy balance")?;
     let mean = |p: &Polynomial| -> Result<Estimate> {
         p.terms().try_fold(Estimate::new(0.0, 0.0), |all, (powers, c)| Ok(all.plus(density.moment(powers)?.scaled(c))))
     };

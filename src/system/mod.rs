@@ -13,27 +13,27 @@ pub use parametric::{Parameter, Parameters, Parametric};
 use crate::scalar::Scalar;
 use serde::{Deserialize, Serialize};
 
-/// A stochastic differential equation with polynomial coefficients: the trait that users implement.
+/// A stochastic differential equation: the trait that users implement.
 ///
 /// dX = f(X) dt + G(X) dW on R^N, with M independent standard Wiener processes W, E dW_k² = dt. The matrix G carries
 /// the noise's strength: a white noise ξ of intensity D, E[ξ(t)ξ(t+τ)] = 2D δ(τ), enters with G = √(2D), which is
-/// [`Intensity::amplitude`]. Poisson impulses may act beside it, or in its place ([`PolynomialDrift::impulses`]).
+/// [`Intensity::amplitude`]. Poisson impulses may act beside it, or in its place ([`Drift::impulses`]).
 ///
 /// Both functions are generic over [`Scalar`], so that the simulation (on `f64`), the Fokker-Planck operator at a point
 /// (on dual numbers) and the closure (on polynomials) all use the same definition. An oscillator x″ + h(x, x′) = ξ is
 /// shorter to write as an [`Oscillator`], a system whose number of states is a number at run time as a
-/// [`PolynomialSystem`]. Methods take it as a [`Problem`](crate::Problem).
+/// [`System`]. Methods take it as a [`Problem`](crate::Problem).
 ///
 /// # Several degrees of freedom
 /// The order of the states is free; which states are velocities of which is found from the drift. Two coupled oscillators
 /// with a parametric noise in the coupling:
 ///
 /// ```
-/// use expoly::{Intensity, PolynomialDrift, Problem, Scalar};
+/// use expoly::{Intensity, Drift, Problem, Scalar};
 ///
 /// struct Coupled { damping: f64, coupling: f64, external: Intensity, parametric: Intensity }
 ///
-/// impl PolynomialDrift<4, 2> for Coupled {
+/// impl Drift<4, 2> for Coupled {
 ///     fn drift<S: Scalar>(&self, [x, y, u, v]: [S; 4]) -> [S; 4] {
 ///         let spring = (x - y) * self.coupling;
 ///         [
@@ -56,7 +56,7 @@ use serde::{Deserialize, Serialize};
 /// assert_eq!(problem.displacements(), [(0, 2), (1, 3)]);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub trait PolynomialDrift<const N: usize, const M: usize, P: Parameter = f64>: Send + Sync {
+pub trait Drift<const N: usize, const M: usize, P: Parameter = f64>: Send + Sync {
     /// The drift f(x).
     fn drift<S: Scalar<P>>(&self, x: [S; N]) -> [S; N];
 
@@ -86,19 +86,19 @@ pub trait PolynomialDrift<const N: usize, const M: usize, P: Parameter = f64>: S
     }
 }
 
-/// A system as [`PolynomialDrift`] whose number of states is a number at run time: a chain of any length, a model from a
+/// A system as [`Drift`] whose number of states is a number at run time: a chain of any length, a model from a
 /// file.
 ///
 /// Its definition is called with symbols alone, once: all methods follow its polynomials, multiplied out. Those of (x − 10⁴)³ lose
 /// twelve digits where x is near 10⁴, so that states are best measured from where the density is.
 ///
 /// ```
-/// use expoly::{PolynomialSystem, Problem, Scalar};
+/// use expoly::{System, Problem, Scalar};
 ///
 /// /// x_i′ = −x_i³ + x_{i−1} − x_i, noise of intensity ½ on the first state.
 /// struct Cascade(usize);
 ///
-/// impl PolynomialSystem for Cascade {
+/// impl System for Cascade {
 ///     fn dimension(&self) -> usize {
 ///         self.0
 ///     }
@@ -116,7 +116,7 @@ pub trait PolynomialDrift<const N: usize, const M: usize, P: Parameter = f64>: S
 /// assert_eq!(Problem::of(Cascade(7))?.dimension(), 7);
 /// # Ok::<(), expoly::Error>(())
 /// ```
-pub trait PolynomialSystem<P: Parameter = f64>: Send + Sync {
+pub trait System<P: Parameter = f64>: Send + Sync {
     /// The number of states n.
     fn dimension(&self) -> usize;
 
@@ -129,7 +129,7 @@ pub trait PolynomialSystem<P: Parameter = f64>: Send + Sync {
     /// The noise matrix G(x) by rows: n rows of m numbers.
     fn noise<S: Scalar<P>>(&self, x: &[S]) -> Vec<Vec<S>>;
 
-    /// Independent sources of Poisson impulses, as in [`PolynomialDrift::impulses`].
+    /// Independent sources of Poisson impulses, as in [`Drift::impulses`].
     fn impulses(&self) -> Vec<PoissonImpulses<P>> {
         Vec::new()
     }
@@ -145,7 +145,7 @@ pub trait PolynomialSystem<P: Parameter = f64>: Send + Sync {
         Interpretation::Ito
     }
 
-    /// The states' names, in order; by default as in [`PolynomialDrift::names`].
+    /// The states' names, in order; by default as in [`Drift::names`].
     fn names(&self) -> Vec<String> {
         Vec::new()
     }

@@ -1,10 +1,10 @@
-use super::{Intensity, Parameter, PoissonImpulses, PolynomialDrift};
+use super::{Drift, Intensity, Parameter, PoissonImpulses};
 use crate::scalar::Scalar;
 use num_dual::Dual64;
 
 /// A single oscillator x″ + h(x, x′) = ξ with white noise ξ, E[ξ(t)ξ(t+τ)] = 2D δ(τ).
 ///
-/// Every type that implements it is a [`PolynomialDrift`] of two states, the displacement x and the velocity v = x′:
+/// Every type that implements it is a [`Drift`] of two states, the displacement x and the velocity v = x′:
 ///
 /// ```
 /// use expoly::{Intensity, Oscillator, Scalar};
@@ -21,7 +21,7 @@ use num_dual::Dual64;
 /// }
 /// ```
 ///
-/// An oscillator with multiplicative noise implements `PolynomialDrift` itself.
+/// An oscillator with multiplicative noise implements `Drift` itself.
 pub trait Oscillator<P: Parameter = f64>: Send + Sync {
     /// The force h(x, v) per unit mass, damping and stiffness together, with the sign that it has on the left side.
     fn force<S: Scalar<P>>(&self, x: S, v: S) -> S;
@@ -40,7 +40,7 @@ pub trait Oscillator<P: Parameter = f64>: Send + Sync {
 macro_rules! oscillators {
     ($($number:ty),*) => {
         $(
-        impl<T: Oscillator<$number>> PolynomialDrift<2, 1, $number> for T {
+        impl<T: Oscillator<$number>> Drift<2, 1, $number> for T {
             #[inline]
             fn drift<S: Scalar<$number>>(&self, [x, v]: [S; 2]) -> [S; 2] {
                 [v, -self.force(x, v)]

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use expoly::models::Solved;
-use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, Estimate, PolynomialDrift, Scalar};
+use expoly::{ClosedForm, Closure, ClosureDensity, Crossing, Density, Drift, Error, Estimate, Scalar};
 use serde_json::Value;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 /// x″ + 0.2 x′ + 0.1 x′³ + x + 0.3 x³ − 3 = ξ: far from the origin, so that powers of the states cancel.
 struct Loaded;
 
-impl PolynomialDrift<2, 1> for Loaded {
+impl Drift<2, 1> for Loaded {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, -(x.powi(3) * 0.3 + x - 3.0) - v * 0.2 - v.powi(3) * 0.1]
     }

@@ -4,8 +4,8 @@ use crate::common::*;
 use expoly::models::{Duffing, DuffingChain, Linear, Solved};
 use expoly::statistics::energy_balance;
 use expoly::{
-    Closure, Crossing, Density, ExpPolynomial, Intensity, Oscillator, Polynomial, PolynomialDrift, PolynomialSystem,
-    Scalar, Solution, Termination, compare,
+    Closure, Crossing, Density, Drift, ExpPolynomial, Intensity, Oscillator, Polynomial, Scalar, Solution, System,
+    Termination, compare,
 };
 
 /// Solves at `order`, and requires a root and a joint L¹ distance to the exact density below `l1`.
@@ -193,7 +193,7 @@ fn zero_coupling_gives_the_product() {
 #[test]
 fn zero_coupling_gives_the_product_of_inexact_closures() {
     struct Pair;
-    impl PolynomialDrift<4, 2> for Pair {
+    impl Drift<4, 2> for Pair {
         fn drift<S: Scalar>(&self, [x, u, y, v]: [S; 4]) -> [S; 4] {
             [u, -(u * 0.1 + u.powi(3) * 0.3 + x + x.powi(3)), v, -(v * 0.3 + y + y.powi(3) * 0.2)]
         }

@@ -252,7 +252,7 @@ fn references_that_do_not_serve_are_refused() {
     assert!(Closure::new(8).reference(Reference::Equations).solve(&problem).unwrap().sensitivity("a").is_ok());
 }
 
-/// Systems from public code, by the defaults: their known moments (by quadrature, closed forms and finer grids; `tests/cases/known.csv`) are
+/// Systems from public code, by the defaults: their known moments (by quadrature, closed forms, finer grids and, of hysteresis, simulations; `tests/cases/known.csv`) are
 /// within three of the stated errors.
 #[test]
 fn systems_from_public_code_have_their_moments() {
@@ -266,6 +266,13 @@ fn systems_from_public_code_have_their_moments() {
         case!("cubic-bimodal"),
         case!("harvester-linear"),
         case!("trap-si"),
+        case!("outside-boucwen"),
+        case!("outside-dry-friction"),
+        case!("outside-reflecting"),
+        case!("outside-square-root"),
+        case!("outside-stommel"),
+        case!("outside-swing"),
+        case!("outside-toggle"),
     ] {
         let density = Closure::new(4).solve(&problem).unwrap();
         let mut count = 0;

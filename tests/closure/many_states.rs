@@ -2,15 +2,13 @@
 
 use crate::common::*;
 use expoly::models::Solved;
-use expoly::{
-    Closure, ClosureDensity, Density, Error, Estimate, PolynomialSystem, Problem, Scalar, Simulation, compare,
-};
+use expoly::{Closure, ClosureDensity, Density, Error, Estimate, Problem, Scalar, Simulation, System, compare};
 use support::exact::Exact;
 
 /// Lorenz's system at 10, 28, 8/3 with noise on every state: two wings, and no density that a quartic could hold.
 pub(crate) struct Lorenz;
 
-impl PolynomialSystem for Lorenz {
+impl System for Lorenz {
     fn dimension(&self) -> usize {
         3
     }

@@ -3,8 +3,8 @@
 use crate::common::*;
 use expoly::models::{DuffingChain, DuffingVanDerPol, Solved};
 use expoly::{
-    Closure, ClosureDensity, Degrees, Density, Error, Estimate, GridDensity, Intensity, Origin, PolynomialDrift,
-    Problem, Reference, Scalar, Simulation, Weight, compare,
+    Closure, ClosureDensity, Degrees, Density, Drift, Error, Estimate, GridDensity, Intensity, Origin, Problem,
+    Reference, Scalar, Simulation, Weight, compare,
 };
 
 /// A density is exact to 1e-8 at each order; measured are 1e-12 to 5e-9, the errors of both quadratures.
@@ -286,7 +286,7 @@ fn one_state_is_exact_and_approached() {
         cubic: f64,
         quintic: f64,
     }
-    impl PolynomialDrift<1, 1> for Overdamped {
+    impl Drift<1, 1> for Overdamped {
         fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
             [x - x.powi(3) * self.cubic - x.powi(5) * self.quintic]
         }
@@ -317,7 +317,7 @@ fn same(p: Estimate, q: Estimate, powers: &[u32]) {
 #[test]
 fn coloured_noise_through_a_filter() {
     struct Filtered;
-    impl PolynomialDrift<3, 1> for Filtered {
+    impl Drift<3, 1> for Filtered {
         fn drift<S: Scalar>(&self, [x, v, f]: [S; 3]) -> [S; 3] {
             [v, f - v * 0.3 - v.powi(3) * 0.2 - x - x.powi(3), -(f * 2.0)]
         }
@@ -347,7 +347,7 @@ fn coloured_noise_through_a_filter() {
 #[test]
 fn a_chain_out_of_equilibrium() {
     struct Chain;
-    impl PolynomialDrift<4, 2> for Chain {
+    impl Drift<4, 2> for Chain {
         fn drift<S: Scalar>(&self, [x, y, u, v]: [S; 4]) -> [S; 4] {
             let spring = (x - y) * 0.5;
             let force = |x: S, v: S| v * 0.1 + v.powi(3) * 0.3 + x + x.powi(3);

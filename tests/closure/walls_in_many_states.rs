@@ -4,7 +4,7 @@ use crate::common::l1_over_draws;
 use crate::simulation::walls::{Bodies, Room, with_walls};
 use expoly::models::{ColouredVibroImpact, Duffing};
 use expoly::statistics::{Impacts, Marginal};
-use expoly::{Closure, ClosureDensity, Density, Error, PolynomialDrift, Problem, Reference, Scalar, Simulation, Wall};
+use expoly::{Closure, ClosureDensity, Density, Drift, Error, Problem, Reference, Scalar, Simulation, Wall};
 
 pub(crate) const BODIES: Bodies = Bodies {
     masses: [1.0, 0.5],
@@ -106,7 +106,7 @@ fn a_wall_under_filtered_noise_agrees_with_the_simulation() {
 #[derive(Clone, Copy, Debug)]
 struct Modulated;
 
-impl PolynomialDrift<3, 2> for Modulated {
+impl Drift<3, 2> for Modulated {
     fn drift<S: Scalar>(&self, [y, v, z]: [S; 3]) -> [S; 3] {
         [v, z - v * 0.2 - y, -z]
     }

@@ -10,7 +10,7 @@ use expoly::models::{
     TunedAbsorber, VanDerPolRayleigh, VelocityNoise, ViscoelasticIsolator,
 };
 use expoly::{
-    Closure, ClosureDensity, Density, Grid, GridDensity, Intensity, Parametric, PolynomialDrift, Problem, Scalar, Wall,
+    Closure, ClosureDensity, Density, Drift, Grid, GridDensity, Intensity, Parametric, Problem, Scalar, Wall,
 };
 use num_dual::Dual64;
 use std::collections::BTreeMap;
@@ -35,7 +35,7 @@ impl<K: Ord, V> Shared<K, V> {
 /// A problem of a system that must be one.
 pub(crate) fn problem<T, const N: usize, const M: usize>(system: T) -> Problem
 where
-    T: PolynomialDrift<N, M> + 'static,
+    T: Drift<N, M> + 'static,
 {
     Problem::of(system).unwrap()
 }
@@ -116,7 +116,7 @@ pub(crate) fn closed_above(order: u32, offset: f64, restitution: f64) -> Arc<Clo
 #[derive(Debug)]
 pub(crate) struct OrnsteinUhlenbeck;
 
-impl PolynomialDrift<1, 1> for OrnsteinUhlenbeck {
+impl Drift<1, 1> for OrnsteinUhlenbeck {
     fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
         [-x]
     }
@@ -217,8 +217,8 @@ pub(crate) fn energy_sink() -> NonlinearEnergySink {
 /// The problem of a system with its parameters.
 fn parametric<T, const N: usize, const M: usize>(system: T) -> Problem
 where
-    T: PolynomialDrift<N, M> + Parametric<With<f64> = T> + 'static,
-    T::With<Dual64>: PolynomialDrift<N, M, Dual64>,
+    T: Drift<N, M> + Parametric<With<f64> = T> + 'static,
+    T::With<Dual64>: Drift<N, M, Dual64>,
 {
     Problem::parametric(system).unwrap()
 }

@@ -2,7 +2,7 @@
 
 use super::problem;
 use expoly::models::Duffing;
-use expoly::{Envelope, Gaussian, Interpretation, PolynomialDrift, Problem, Scalar, Start};
+use expoly::{Drift, Envelope, Gaussian, Interpretation, Problem, Scalar, Start};
 use nalgebra::{DMatrix, Matrix2, Vector2, dmatrix, dvector, matrix};
 
 /// Those of first and second order.
@@ -34,7 +34,7 @@ pub(crate) struct Noisy {
     pub(crate) a: f64,
 }
 
-impl PolynomialDrift<2, 2> for Noisy {
+impl Drift<2, 2> for Noisy {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, v * -0.5 - x]
     }

@@ -3,7 +3,7 @@
 use crate::common::moving::{POWERS, correlated, linear_after, moments, normal};
 use crate::common::{l1_from, problem};
 use expoly::models::{Duffing, Linear, Solved};
-use expoly::{Density, Error, Gaussian, Grid, GridDensity, PolynomialDrift, Scalar, Start};
+use expoly::{Density, Drift, Error, Gaussian, Grid, GridDensity, Scalar, Start};
 use nalgebra::{dmatrix, dvector};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
@@ -83,7 +83,7 @@ fn a_finer_accuracy_gives_a_smaller_error() {
 #[derive(Debug)]
 struct DampedBySpeed;
 
-impl PolynomialDrift<2, 1> for DampedBySpeed {
+impl Drift<2, 1> for DampedBySpeed {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, -x - v * 0.3 - v * v * v * 0.3]
     }

@@ -4,8 +4,8 @@ use crate::common::*;
 use expoly::models::{Duffing, Linear, Solved};
 use expoly::statistics::energy_balance;
 use expoly::{
-    Crossing, Density, Error, Gaussian, Grid, GridDensity, GridProgress, Intensity, Oscillator, Polynomial,
-    PolynomialDrift, Problem, Scalar, Sensitivity, Simulation, Start, Wall,
+    Crossing, Density, Drift, Error, Gaussian, Grid, GridDensity, GridProgress, Intensity, Oscillator, Polynomial,
+    Problem, Scalar, Sensitivity, Simulation, Start, Wall,
 };
 use nalgebra::{dmatrix, dvector};
 use std::ops::ControlFlow;
@@ -233,7 +233,7 @@ fn the_smooth_reference_table_is_reproduced() {
 #[test]
 fn a_system_with_noise_in_both_states_is_normal() {
     struct Gradient;
-    impl PolynomialDrift<2, 2> for Gradient {
+    impl Drift<2, 2> for Gradient {
         fn drift<S: Scalar>(&self, [x, y]: [S; 2]) -> [S; 2] {
             [-x - y * 0.5, x * 0.25 - y * 2.0]
         }
@@ -402,7 +402,7 @@ struct Planar {
     noise: f64,
 }
 
-impl PolynomialDrift<2, 1> for Planar {
+impl Drift<2, 1> for Planar {
     fn drift<S: Scalar>(&self, [x, y]: [S; 2]) -> [S; 2] {
         [-x, -y]
     }

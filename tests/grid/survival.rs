@@ -3,8 +3,7 @@
 use crate::common::{duffing_above, problem, walls_at};
 use expoly::models::Linear;
 use expoly::{
-    Crossing, Density, Error, Estimate, Gaussian, Grid, GridDensity, PolynomialDrift, Scalar, Simulation, Start,
-    Survival,
+    Crossing, Density, Drift, Error, Estimate, Gaussian, Grid, GridDensity, Scalar, Simulation, Start, Survival,
 };
 use nalgebra::{dmatrix, dvector};
 use std::sync::OnceLock;
@@ -160,7 +159,7 @@ fn starts_of_every_kind_survive() {
 #[derive(Debug)]
 struct TwoFilters;
 
-impl PolynomialDrift<2, 2> for TwoFilters {
+impl Drift<2, 2> for TwoFilters {
     fn drift<S: Scalar>(&self, [x, y]: [S; 2]) -> [S; 2] {
         [-x, y * -2.0]
     }

@@ -2,16 +2,14 @@
 
 use crate::common::*;
 use expoly::models::Solved;
-use expoly::{
-    Closure, Density, Error, Interpretation, PolynomialDrift, PolynomialSystem, Problem, Result, Scalar, Wall,
-};
+use expoly::{Closure, Density, Drift, Error, Interpretation, Problem, Result, Scalar, System, Wall};
 
 /// Two masses whose velocities come last; the noise of the second is parametric.
 struct Coupled {
     names: &'static [&'static str],
 }
 
-impl PolynomialDrift<4, 2> for Coupled {
+impl Drift<4, 2> for Coupled {
     fn drift<S: Scalar>(&self, [x, y, u, v]: [S; 4]) -> [S; 4] {
         let spring = (x - y) * 0.5;
         [u, v, -(u * 0.2) - x - spring, -(v * 0.3) - y - y.powi(3) + spring]
@@ -144,7 +142,7 @@ struct Uneven {
     columns: usize,
 }
 
-impl PolynomialSystem for Uneven {
+impl System for Uneven {
     fn dimension(&self) -> usize {
         3
     }
@@ -176,7 +174,7 @@ fn a_system_of_any_size_is_as_long_as_it_says() {
 #[test]
 fn problems_of_several_dimensions_are_solved_in_a_loop() -> Result<()> {
     struct Filtered;
-    impl PolynomialDrift<3, 1> for Filtered {
+    impl Drift<3, 1> for Filtered {
         fn drift<S: Scalar>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
             [v, -v - x + z, -z]
         }

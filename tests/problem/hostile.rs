@@ -3,8 +3,8 @@
 use crate::common::*;
 use expoly::models::{CubicDamping, DisplacementNoise, Duffing, DuffingChain, ParametricLinear, Solved};
 use expoly::{
-    Basis, Closure, Crossing, Density, Error, Estimate, ExpPolynomial, Gaussian, Grid, Intensity, Oscillator,
-    Polynomial, PolynomialDrift, Problem, Provenance, Scalar, Simulation, States, Support, Termination, Wall,
+    Basis, Closure, Crossing, Density, Drift, Error, Estimate, ExpPolynomial, Gaussian, Grid, Intensity, Oscillator,
+    Polynomial, Problem, Provenance, Scalar, Simulation, States, Support, Termination, Wall,
 };
 use nalgebra::{DMatrix, DVector, dmatrix};
 use std::f64::consts::PI;
@@ -116,7 +116,7 @@ fn a_drift_without_a_stationary_density_is_refused() {
 
 struct Silent;
 
-impl PolynomialDrift<2, 1> for Silent {
+impl Drift<2, 1> for Silent {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, -v - x]
     }
@@ -128,7 +128,7 @@ impl PolynomialDrift<2, 1> for Silent {
 /// One state, no velocity: a wall makes no sense.
 struct Relaxation;
 
-impl PolynomialDrift<1, 1> for Relaxation {
+impl Drift<1, 1> for Relaxation {
     fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
         [-(x + x.powi(3))]
     }
@@ -140,7 +140,7 @@ impl PolynomialDrift<1, 1> for Relaxation {
 /// State 0 is driven by noise: no displacement.
 struct Diffusing;
 
-impl PolynomialDrift<2, 2> for Diffusing {
+impl Drift<2, 2> for Diffusing {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, -(v + x)]
     }
@@ -296,7 +296,7 @@ fn spoiled_texts_are_refused() {
 
 struct Steep(u32, f64);
 
-impl PolynomialDrift<1, 1> for Steep {
+impl Drift<1, 1> for Steep {
     fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
         [-x.powi(self.0)]
     }

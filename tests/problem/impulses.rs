@@ -87,7 +87,7 @@ fn errors_of_impulses_name_the_line() {
         ("mean = 0, ", "", 9, "give one law"),
         ("deviation = \"2*s\"", "deviation = 0", 7, "above zero"),
         ("v = \"1 + x\"", "y = 1", 10, "there are rate, amplitude, x, v"),
-        ("v = \"1 + x\"", "v = \"1/x\"", 10, "may not divide"),
+        ("v = \"1 + x\"", "v = \"1/0\"", 10, "division by zero"),
     ] {
         let error = Problem::from_toml(&TEXT.replacen(from, to, 1)).unwrap_err();
         let Error::NotAProblem { line: found, problem, .. } = &error else { panic!("{to}: {error}") };

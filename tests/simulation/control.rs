@@ -3,8 +3,7 @@
 
 use crate::common::{moving::correlated, threads_of};
 use expoly::{
-    Crossing, Density, Error, PolynomialDrift, Problem, Progress, Result, SimulatedDensity, Simulation, Stopped,
-    Tolerance, Wall,
+    Crossing, Density, Drift, Error, Problem, Progress, Result, SimulatedDensity, Simulation, Stopped, Tolerance, Wall,
     models::{Duffing, Linear},
 };
 use std::{
@@ -406,7 +405,7 @@ fn explosions_are_the_same_error_on_any_number_of_threads() -> Result<()> {
 /// dx = −x³ dt + dW, whose checkpoint belongs to a single state.
 struct Cubic;
 
-impl PolynomialDrift<1, 1> for Cubic {
+impl Drift<1, 1> for Cubic {
     fn drift<S: expoly::Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
         [-x.powi(3)]
     }

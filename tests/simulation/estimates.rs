@@ -1,7 +1,7 @@
 //! The simulation against closed forms, a reference table, and itself.
 
 use expoly::{
-    Closure, Crossing, Density, Error, Estimate, Gaussian, Interpretation, PolynomialDrift, Problem, Result, Scalar,
+    Closure, Crossing, Density, Drift, Error, Estimate, Gaussian, Interpretation, Problem, Result, Scalar,
     SimulatedDensity, Simulation, Start, Wall,
     models::{Duffing, Linear},
 };
@@ -29,7 +29,7 @@ struct Affine {
     interpretation: Interpretation,
 }
 
-impl PolynomialDrift<1, 2> for Affine {
+impl Drift<1, 2> for Affine {
     fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
         [-x + 1.0]
     }
@@ -62,7 +62,7 @@ struct Parametric {
     interpretation: Interpretation,
 }
 
-impl PolynomialDrift<2, 3> for Parametric {
+impl Drift<2, 3> for Parametric {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         let induced = match self.interpretation {
             // ½ (2α)² 2D_η v.
@@ -92,7 +92,7 @@ struct Modulated {
     g: f64,
 }
 
-impl PolynomialDrift<2, 2> for Modulated {
+impl Drift<2, 2> for Modulated {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, -(v * (x.powi(2) * self.g + 1.0) * 0.5) - x - x.powi(3) * 0.3]
     }
@@ -254,7 +254,7 @@ fn standard_errors_cover() -> Result<()> {
 /// A system of three states: a linear oscillator driven by filtered noise, with the filter as the last state.
 struct Filtered;
 
-impl PolynomialDrift<3, 1> for Filtered {
+impl Drift<3, 1> for Filtered {
     fn drift<S: Scalar>(&self, [x, v, z]: [S; 3]) -> [S; 3] {
         [v, -v - x + z, -z]
     }
@@ -338,7 +338,7 @@ struct Diffusion {
     sigma: f64,
 }
 
-impl PolynomialDrift<1, 1> for Diffusion {
+impl Drift<1, 1> for Diffusion {
     fn drift<S: Scalar>(&self, [x]: [S; 1]) -> [S; 1] {
         [-x.powi(3) * self.pull]
     }

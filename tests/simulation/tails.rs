@@ -2,7 +2,7 @@
 
 use crate::common::{OrnsteinUhlenbeck, duffing, duffing_above, on_grid_above, threads_of};
 use expoly::{
-    Density, Error, Estimate, PolynomialDrift, Problem, Result, Scalar, Splitting, Tails, Wall,
+    Density, Drift, Error, Estimate, Problem, Result, Scalar, Splitting, Tails, Wall,
     models::{ParametricLinear, Solved},
 };
 use std::ops::ControlFlow;
@@ -125,7 +125,7 @@ fn the_number_of_threads_changes_nothing() -> Result<()> {
 /// x″ + x′ + x − x³ = ξ leaves its well sooner or later, and never comes back.
 struct Escaping;
 
-impl PolynomialDrift<2, 1> for Escaping {
+impl Drift<2, 1> for Escaping {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, x.powi(3) - x - v]
     }

@@ -3,9 +3,7 @@
 use crate::common::{between, duffing_above, walls_at};
 use expoly::models::{Duffing, FilteredDuffing};
 use expoly::statistics::Impacts;
-use expoly::{
-    Closure, Density, Error, Estimate, PolynomialDrift, Problem, Result, Scalar, SimulatedDensity, Simulation, Wall,
-};
+use expoly::{Closure, Density, Drift, Error, Estimate, Problem, Result, Scalar, SimulatedDensity, Simulation, Wall};
 
 /// Two bodies in equilibrium with a bath, m_i y_i″ + c_i y_i′ + k_i y_i + μ y_i³ + κ (y_i − y_j) = √(2 c_i T) ξ_i:
 /// p = C exp{−(½ m₁ v₁² + ½ m₂ v₂² + U)/T}, cut off by elastic walls.
@@ -19,7 +17,7 @@ pub(crate) struct Bodies {
     pub(crate) temperature: f64,
 }
 
-impl PolynomialDrift<4, 2> for Bodies {
+impl Drift<4, 2> for Bodies {
     fn drift<S: Scalar>(&self, [x, y, u, v]: [S; 4]) -> [S; 4] {
         let force = |i: usize, own: S, other: S, speed: S| {
             let spring = own * self.stiffness[i] + own.powi(3) * self.cubic + (own - other) * self.coupling;
@@ -348,7 +346,7 @@ fn rest_on_a_wall_does_not_depend_on_the_step() -> Result<()> {
 #[test]
 fn a_body_without_noise_of_its_own_rests() -> Result<()> {
     struct Driven(Bodies);
-    impl PolynomialDrift<4, 1> for Driven {
+    impl Drift<4, 1> for Driven {
         fn drift<S: Scalar>(&self, x: [S; 4]) -> [S; 4] {
             self.0.drift(x)
         }

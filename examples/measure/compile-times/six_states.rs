@@ -3,7 +3,7 @@
 
 #![allow(clippy::print_stdout, reason = "a program prints its answer")]
 
-use expoly::{Closure, Density, Intensity, PolynomialDrift, Problem, Scalar, Simulation};
+use expoly::{Closure, Density, Drift, Intensity, Problem, Scalar, Simulation};
 
 struct Row {
     damping: f64,
@@ -11,7 +11,7 @@ struct Row {
     intensity: Intensity,
 }
 
-impl PolynomialDrift<6, 2> for Row {
+impl Drift<6, 2> for Row {
     fn drift<S: Scalar>(&self, [x, y, z, u, v, w]: [S; 6]) -> [S; 6] {
         let spring = |stretch: S| stretch + stretch.powi(3) * self.cubic;
         let forces = [spring(x), spring(y - x), spring(z - y), spring(-z)];

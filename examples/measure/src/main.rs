@@ -12,6 +12,7 @@ mod cells;
 mod derivatives;
 mod derivatives_at_walls;
 mod draw;
+mod forces;
 mod fuzz;
 mod grid_cases;
 mod grid_walls;
@@ -44,6 +45,8 @@ enum Question {
     Derivatives(derivatives::Options),
     /// How accurate are derivatives by parameters above a wall that takes energy?
     DerivativesAtWalls(derivatives_at_walls::Options),
+    /// How good are closure, grid and simulation where forces are no polynomials?
+    Forces(forces::Options),
     /// Does any input make the library panic, hang, or return a value that is no number?
     Fuzz(fuzz::Options),
     /// Does the grid resolve by itself what people bring, and is its estimate right?
@@ -83,6 +86,7 @@ fn main() -> ExitCode {
         Question::Campaign(options) => campaign::run(&options),
         Question::Derivatives(options) => derivatives::run(&options),
         Question::DerivativesAtWalls(options) => derivatives_at_walls::run(&options),
+        Question::Forces(options) => forces::run(&options),
         Question::Fuzz(options) => fuzz::run(&options),
         Question::GridCases(options) => grid_cases::run(&options),
         Question::GridWalls(options) => grid_walls::run(&options),

@@ -1,6 +1,6 @@
 //! Random systems with a density that is known in any number of states.
 
-use expoly::{Density, PolynomialSystem, Result, Scalar};
+use expoly::{Density, Result, Scalar, System};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rand_distr::StandardNormal;
 use std::fmt;
@@ -147,7 +147,7 @@ fn along(form: &[f64], x: &[f64]) -> f64 {
     form.iter().zip(x).map(|(w, x)| w * x).sum()
 }
 
-impl PolynomialSystem for Exact {
+impl System for Exact {
     fn dimension(&self) -> usize {
         self.rates.len()
     }

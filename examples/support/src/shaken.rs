@@ -1,12 +1,12 @@
 //! A linear oscillator whose damping and stiffness are shaken: its moments are known in closed form.
 
-use expoly::{Interpretation, PolynomialDrift, Scalar};
+use expoly::{Drift, Interpretation, Scalar};
 
 /// x″ + x′ + x = 0.4 x′ ξ₁ + 0.4 x ξ₂ + ξ₃, all noises of intensity ½.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaken(pub Interpretation);
 
-impl PolynomialDrift<2, 3> for Shaken {
+impl Drift<2, 3> for Shaken {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         [v, -v - x]
     }

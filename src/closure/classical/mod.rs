@@ -120,6 +120,8 @@ impl ClassicalClosure {
         let start = Instant::now();
         self.check(problem)?;
         let operator = problem.operator();
+        operator.require_polynomial(METHOD)?;
+        problem.require_no_ends(METHOD)?;
         let (found, frame, support) = if problem.walls().is_empty() {
             let (found, frame) = self.in_open_space(operator, &problem.gaussian()?)?;
             (found, frame, Support::WholeSpace)

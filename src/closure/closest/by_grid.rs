@@ -76,13 +76,18 @@ impl Closure {
         let highest = if free { HIGHEST_ORDER } else { HIGHEST_ORDER_AT_WALLS };
         let closed = self.at_order(highest, false, |order| {
             let mut content = closest.content(order, begin)?;
-            // Impacts have a part in the equations that the residual in between does not show.
-            content.indication = if free { closest.indication(problem, &content.exponent, order) } else { None };
+            // Impacts, and forces that jump, have a part in the equations that the residual in between does not show.
+            content.indication = if free && problem.surfaces().is_empty() {
+                closest.indication(problem, &content.exponent, order)
+            } else {
+                None
+            };
             if problem.dimension() == 1 {
                 content.provenance.reference = Some(String::from("closed form"));
             }
             Ok(ClosureDensity::new(content))
         })?;
+        let pilot = pilot.filter(|_| problem.surfaces().is_empty());
         if let Some(exact) = pilot.and_then(|pilot| exact(&closed, problem, pilot)) {
             return Ok((exact, false));
         }

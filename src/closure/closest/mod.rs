@@ -20,6 +20,7 @@ use super::discretisation::trust_domain::TrustDomain;
 use super::method::Closure;
 use super::projection::{mixed, project, tempered};
 use super::reference::{normalised, scaled_mass};
+use super::space::folded;
 use super::space::nested_spaces::{Smooth, SpaceFamily, Walled};
 use super::space::orthonormal::Orthonormal;
 use crate::closure::{HIGHEST_ORDER, HIGHEST_ORDER_AT_WALLS, LOWEST_COMPARED};
@@ -27,7 +28,7 @@ use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::functions::{Corner, Functions};
 use crate::parallel;
-use crate::problem::Symmetry;
+use crate::problem::{Surface, Symmetry};
 use crate::provenance::Provenance;
 use crate::states::States;
 use std::collections::BTreeMap;
@@ -312,8 +313,12 @@ fn spaces(
     let (centre, half_width): (Vec<f64>, Vec<f64>) = bounds.iter().enumerate().map(side).unzip();
     let walls = density.evidence().grazed_walls();
     if walls.is_empty() {
-        let (degrees, symmetry) = (closure.degrees.clone(), symmetry.clone());
-        return (SpaceFamily::Smooth(Smooth { degrees, symmetry, centre, half_width }), Vec::new());
+        let within =
+            |surface: &Surface| bounds[surface.state][0] < surface.place && surface.place < bounds[surface.state][1];
+        let surfaces: Vec<Surface> = density.evidence().surfaces().into_iter().filter(within).collect();
+        let (folds, symmetry) = folded::at(&surfaces, symmetry);
+        let degrees = closure.degrees.clone();
+        return (SpaceFamily::Smooth(Smooth { degrees, symmetry, centre, half_width, folds }), Vec::new());
     }
     let speed = bounds[1][0].abs().max(bounds[1][1].abs());
     let corner = |(wall, intensity)| Corner::new(wall, vec![1], intensity, [2.0 * half_width[0], speed]);

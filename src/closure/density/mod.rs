@@ -159,10 +159,11 @@ impl ClosureDensity {
         self.content.candidates[0].tail_estimate <= TAILS_ENOUGH
     }
 
-    /// ln p as a polynomial of the states, valid on the trust domain; `None` where walls add terms that are no polynomials.
+    /// ln p as a polynomial of the states, valid on the trust domain, and of functions such as |v| where the drift has a kink or a jump;
+    /// `None` where walls add terms that are no polynomials.
     pub fn log_polynomial(&self) -> Option<Polynomial> {
         let Exponent { space, constant, coefficients, .. } = &self.content.exponent;
-        let polynomials = space.polynomials()?;
+        let polynomials = space.on_one_box()?;
         Some(polynomials.in_powers(coefficients).compose(&polynomials.coordinates()) + *constant)
     }
 

@@ -11,7 +11,7 @@ use crate::closure::space::degrees::Degrees;
 use crate::closure::{BLOCKS_EACH, PILOT_TRAJECTORIES};
 use crate::functions::Functions;
 use crate::numerics::sort_by_number;
-use crate::problem::{Problem, Symmetry};
+use crate::problem::Problem;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 
@@ -63,11 +63,13 @@ struct Tested {
 type TestDegrees = Vec<(Option<u32>, usize)>;
 
 /// The degrees of ψ that so many blocks of states suffice for, after none, each with its number of monomials; and those of the highest.
-fn allowed(symmetry: &Symmetry, states: usize, blocks: usize) -> (TestDegrees, Vec<Vec<u32>>) {
+fn allowed(problem: &Problem, family: &FunctionFamily, blocks: usize) -> (TestDegrees, Vec<Vec<u32>>) {
     let (mut degrees, mut exponents) = (vec![(None, 0)], Vec::new());
     // From below, so that the many functions of a high degree in many states are not listed in vain.
     for degree in DEGREES {
-        let tests = Degrees::complete().exponents(states, degree, |alpha| symmetry.keeps(alpha));
+        let [centre, _] = family.box_around();
+        let kept = |alpha: &[u32]| family.symmetry().keeps(alpha) && problem.has_continuous_image(alpha, centre);
+        let tests = Degrees::complete().exponents(problem.dimension(), degree, kept);
         if tests.len() * BLOCKS_EACH > blocks || (degree > 6 && tests.len() > MANY) {
             break;
         }
@@ -146,7 +148,7 @@ impl CalibratedMeans {
         let symmetry = family.symmetry();
         let length = pilot.block_length(symmetry, !family.corners().is_empty());
         let blocks = (pilot.samples() / length) * PILOT_TRAJECTORIES;
-        let (mut degrees, exponents) = allowed(symmetry, problem.dimension(), blocks);
+        let (mut degrees, exponents) = allowed(problem, family, blocks);
         let (tested, kinks) = family.tests(exponents);
         degrees.iter_mut().skip(1).for_each(|(_, tests)| *tests += kinks);
         // Next to walls there are no impulses.

@@ -3,7 +3,8 @@ use crate::closure::pilot::Pilot;
 use crate::closure::samples::MANY;
 use crate::closure::space::WallLevel;
 use crate::closure::space::degrees::Degrees;
-use crate::functions::{Corner, Functions, Polynomials};
+use crate::closure::space::folded;
+use crate::functions::{Corner, Fold, Functions, Polynomials};
 use crate::numerics::sort_by_number;
 use crate::problem::{Problem, Symmetry};
 use crate::walls::Contact;
@@ -26,6 +27,9 @@ const MANY_AT_WALLS: usize = 480;
 /// Where the density of samples two degrees higher has more polynomials than this, next to walls in three states and more, only
 /// those of one and of two states are taken beyond the order: a bound on work.
 const MOST_AT_WALLS: usize = 260;
+/// The degree of the polynomials that multiply folds in functions that calibrate the pilot's means: with 4 the error of E x² of a
+/// hysteretic oscillator falls to a third of that by polynomials of degree 6 alone.
+const FOLDED: u32 = 4;
 /// The kinks A u^i w^j z^a beside the polynomials that calibrate the pilot's means next to walls have i + j + |a| up to this.
 const KINKS: u32 = 2;
 
@@ -38,6 +42,9 @@ pub(in crate::closure) struct FunctionFamily {
     centre: Vec<f64>,
     half_width: Vec<f64>,
     corners: Vec<Corner>,
+    folds: Vec<Fold>,
+    /// Whether noise acts across each of their places.
+    crossed: Vec<bool>,
 }
 
 /// The singularities at all walls, in what the pilot's states reach. None where the noise on the rate of a gap depends on the state at
@@ -64,7 +71,12 @@ impl FunctionFamily {
         let farthest = |i: usize| pilot.states.iter().map(|x| (x[i] - centre[i]).abs()).fold(0.0, f64::max);
         let half_width = (0..centre.len()).map(farthest).collect();
         let corners = corners(problem, pilot)?;
-        Some(FunctionFamily { degrees: degrees.clone(), symmetry: symmetry.clone(), centre, half_width, corners })
+        // Next to walls products with kinks of the drift are left out.
+        let surfaces = if corners.is_empty() { problem.surfaces() } else { &[] };
+        let (folds, symmetry) = folded::at(surfaces, symmetry);
+        let crossed = surfaces.iter().map(|surface| surface.crossed).collect();
+        let degrees = degrees.clone();
+        Some(FunctionFamily { degrees, symmetry, centre, half_width, corners, folds, crossed })
     }
 
     /// The same without kinks, if all walls are elastic and there are any kinks.
@@ -93,7 +105,12 @@ impl FunctionFamily {
     }
 
     fn exponents(&self, order: u32) -> Vec<Vec<u32>> {
-        self.degrees.exponents(self.dimension(), order, |alpha| self.symmetry.keeps(alpha))
+        folded::exponents(&self.degrees, order, &self.symmetry, &self.folds)
+    }
+
+    /// Whether the drift has a kink or a jump.
+    pub(super) fn has_folds(&self) -> bool {
+        !self.folds.is_empty()
     }
 
     /// The functions of an order.
@@ -115,13 +132,19 @@ impl FunctionFamily {
         self.ladder(&[order, order + 2], |degree| if degree == order { kept.clone() } else { higher.clone() })
     }
 
-    /// The functions ψ whose moment equations calibrate means: kinks, and after them polynomials of a degree, those of a lower
-    /// one first; and the number of kinks.
+    /// The functions ψ whose moment equations calibrate means: kinks or folds, and after them polynomials of a degree, those of a lower
+    /// one first; and the number of those before them.
     pub(super) fn tests(&self, mut exponents: Vec<Vec<u32>>) -> (Functions, usize) {
         // The tests of a lower degree come first.
         sort_by_number(&mut exponents, |alpha| f64::from(alpha.iter().sum::<u32>()));
         if self.corners.is_empty() {
-            return (self.polynomials(exponents).into(), 0);
+            // Across a kink of a function itself noise has a mean rate of change that is none of the generator's.
+            let crossed =
+                |fold: &Fold| self.folds.iter().zip(&self.crossed).any(|(own, crossed)| own == fold && *crossed);
+            let degree = |fold: &Fold| (fold.power >= 2.0 || !crossed(fold)).then_some(FOLDED);
+            let folded = folded::products(&Degrees::complete(), &self.symmetry, &self.folds, degree);
+            let count = folded.len();
+            return (self.polynomials([folded, exponents].concat()).into(), count);
         }
         let level = WallLevel { degree: 0, kinks: KINKS, depth: 0, angular: 0, others: 0 };
         let kinks = self.contacts(&[level], |_| Vec::new());
@@ -130,7 +153,7 @@ impl FunctionFamily {
     }
 
     fn polynomials(&self, exponents: Vec<Vec<u32>>) -> Polynomials {
-        Polynomials::new(self.centre.clone(), self.half_width.clone(), exponents)
+        Polynomials::new(self.centre.clone(), self.half_width.clone(), exponents).folded(self.folds.clone())
     }
 
     fn ladder(&self, orders: &[u32], exponents: impl Fn(u32) -> Vec<Vec<u32>>) -> Functions {

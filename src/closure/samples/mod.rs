@@ -64,6 +64,7 @@ use super::density::moment::Moment;
 use super::pilot::Pilot;
 use crate::closure::CONVERGING;
 use crate::estimate::Estimate;
+use crate::functions::Fold;
 use crate::numerics::Search;
 use crate::problem::Problem;
 use calibration::CalibratedMeans;
@@ -192,7 +193,8 @@ pub(in crate::closure) fn close_exactly(samples: Samples<'_>, exponent: Exponent
 pub(in crate::closure) fn close_on_means(samples: Samples<'_>, from: MeansFrom<'_>) -> Option<(SampleClosure, f64)> {
     let Samples { family, order, .. } = samples;
     let (space, higher) = (family.functions(order), family.compared(order));
-    let degrees: Vec<u32> = higher.polynomials()?.exponents().iter().map(|alpha| alpha.iter().sum()).collect();
+    let on_box = higher.on_one_box()?;
+    let degrees: Vec<u32> = on_box.exponents().iter().map(|alpha| Fold::degree_of(alpha, on_box.folds())).collect();
     let means = Means::new(from, &higher, &degrees)?;
     let NodalFit { lattice, nodes, fit, .. } = Fitting { samples, means: &means.values }.best([&space, &higher])?;
     let likelihood = Likelihood { nodes: &nodes, space: &space, corners: &[], walls: &[] };

@@ -67,7 +67,7 @@ impl Fitting<'_> {
     /// the nodes do not resolve the density.
     pub(super) fn on_lines(&self, [space, comparing]: [&Functions; 2]) -> Option<OnLines> {
         let Samples { pilot, family, order, .. } = self.samples;
-        if !family.corners().is_empty() {
+        if !family.corners().is_empty() || family.has_folds() {
             return None;
         }
         let mut sheet = Sheet::new(pilot, family, thin_state(&pilot.states, family)?, space.len())?;

@@ -98,6 +98,9 @@ impl ClosureDensity {
     /// # Errors
     /// As [`ClosureDensity::sensitivity`].
     pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<ClosureSensitivity>> {
+        if parameters.is_empty() {
+            return Ok(Vec::new());
+        }
         let problem = self.differentiable()?;
         if self.dimension() > 2 {
             return self.sensitivities_on_states(problem, parameters);

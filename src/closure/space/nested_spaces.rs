@@ -1,7 +1,8 @@
 use super::degrees::Degrees;
+use super::folded;
 use crate::closure::REFERENCE_EXCESS;
 use crate::closure::space::WallLevel;
-use crate::functions::{Corner, Functions, Polynomials};
+use crate::functions::{Corner, Fold, Functions, Polynomials};
 use crate::problem::Symmetry;
 
 /// The number of highest degrees of a reference's correction, where the edge of the domain shows as ripples; the correction may
@@ -155,19 +156,21 @@ impl SpaceFamily {
     }
 }
 
-/// Complete polynomials with the system's symmetry.
+/// Complete polynomials with the system's symmetry, and their products with functions that have a kink where the drift has one.
 #[derive(Clone, Debug)]
 pub(in crate::closure) struct Smooth {
     pub(in crate::closure) degrees: Degrees,
     pub(in crate::closure) symmetry: Symmetry,
     pub(in crate::closure) centre: Vec<f64>,
     pub(in crate::closure) half_width: Vec<f64>,
+    pub(in crate::closure) folds: Vec<Fold>,
 }
 
 impl Smooth {
     /// All polynomials on a box.
     pub(in crate::closure) fn complete(centre: Vec<f64>, half_width: Vec<f64>) -> Self {
-        Smooth { degrees: Degrees::complete(), symmetry: Symmetry::none(centre.len()), centre, half_width }
+        let (degrees, symmetry) = (Degrees::complete(), Symmetry::none(centre.len()));
+        Smooth { degrees, symmetry, centre, half_width, folds: Vec::new() }
     }
 
     /// Those of rising degree that are few enough in three states and more; the first two are in any case.
@@ -185,8 +188,9 @@ impl Smooth {
     }
 
     pub(in crate::closure) fn functions(&self, degree: u32) -> Functions {
-        let exponents = self.degrees.exponents(self.centre.len(), degree, |alpha| self.symmetry.keeps(alpha));
-        Polynomials::new(self.centre.clone(), self.half_width.clone(), exponents).into()
+        let exponents = folded::exponents(&self.degrees, degree, &self.symmetry, &self.folds);
+        let (centre, half_width) = (self.centre.clone(), self.half_width.clone());
+        Polynomials::new(centre, half_width, exponents).folded(self.folds.clone()).into()
     }
 }
 

@@ -1,48 +1,58 @@
-//! Functions of numbers, and what takes the place of those that are no polynomials of states.
+//! Functions of states, numbers and parameters by name, and what takes the place of others.
 
-use num_dual::{Dual64, DualNum};
+use crate::polynomial::Symbol;
+use crate::scalar::Scalar;
 
-/// A function of numbers and parameters.
+/// A function by its name.
 #[derive(Debug)]
 pub(in crate::problem) struct NamedFunction {
     pub(super) name: &'static str,
-    pub(super) real: fn(f64) -> f64,
-    pub(super) dual: fn(&Dual64) -> Dual64,
+    /// How many arguments it has.
+    pub(super) arguments: usize,
+    pub(super) of: for<'a> fn(&[Symbol<'a>]) -> Symbol<'a>,
 }
 
-pub(super) static FUNCTIONS: [NamedFunction; 5] = [
-    NamedFunction { name: "sqrt", real: f64::sqrt, dual: DualNum::sqrt },
-    NamedFunction { name: "exp", real: f64::exp, dual: DualNum::exp },
-    NamedFunction { name: "ln", real: f64::ln, dual: DualNum::ln },
-    NamedFunction { name: "sin", real: f64::sin, dual: DualNum::sin },
-    NamedFunction { name: "cos", real: f64::cos, dual: DualNum::cos },
-];
+impl NamedFunction {
+    const fn one(name: &'static str, of: for<'a> fn(&[Symbol<'a>]) -> Symbol<'a>) -> Self {
+        NamedFunction { name, arguments: 1, of }
+    }
 
-/// Functions with kinks or jumps.
-const BENT: [&str; 13] =
-    ["abs", "sign", "sgn", "max", "min", "step", "heaviside", "floor", "ceil", "round", "mod", "clip", "relu"];
-
-/// What to write in place of a function that this format has not.
-pub(super) fn outside(name: &str) -> String {
-    match name {
-        "log" => "log is ambiguous: write ln for the natural logarithm of a number or a parameter".into(),
-        "pow" => "write x^n for a power".into(),
-        _ if BENT.contains(&name) => format!(
-            "{name} has kinks or jumps, and drift and noise are polynomials of the states: write one that is close to it where the density is; an impact is a [[wall]]"
-        ),
-        _ => format!(
-            "there is no function {name}: drift and noise are polynomials of the states; of numbers and parameters there are sqrt, exp, ln, sin and cos"
-        ),
+    const fn two(name: &'static str, of: for<'a> fn(&[Symbol<'a>]) -> Symbol<'a>) -> Self {
+        NamedFunction { name, arguments: 2, of }
     }
 }
 
-/// What to write in place of a function of a state.
-pub(super) fn of_state(name: &str) -> String {
+pub(super) static FUNCTIONS: [NamedFunction; 14] = [
+    NamedFunction::one("sqrt", |x| Scalar::<f64>::sqrt(x[0])),
+    NamedFunction::one("exp", |x| Scalar::<f64>::exp(x[0])),
+    NamedFunction::one("ln", |x| Scalar::<f64>::ln(x[0])),
+    NamedFunction::one("sin", |x| Scalar::<f64>::sin(x[0])),
+    NamedFunction::one("cos", |x| Scalar::<f64>::cos(x[0])),
+    NamedFunction::one("tan", |x| Scalar::<f64>::tan(x[0])),
+    NamedFunction::one("tanh", |x| Scalar::<f64>::tanh(x[0])),
+    NamedFunction::one("atan", |x| Scalar::<f64>::atan(x[0])),
+    NamedFunction::one("abs", |x| Scalar::<f64>::abs(x[0])),
+    NamedFunction::one("sign", |x| Scalar::<f64>::sign(x[0])),
+    NamedFunction::one("step", |x| Scalar::<f64>::step(x[0])),
+    NamedFunction::one("pos", |x| Scalar::<f64>::positive(x[0])),
+    NamedFunction::two("max", |x| Scalar::<f64>::max(x[0], x[1])),
+    NamedFunction::two("min", |x| Scalar::<f64>::min(x[0], x[1])),
+];
+
+/// What to write in place of a function that this format has not.
+pub(super) fn outside(name: &str) -> String {
     let instead = match name {
-        "sqrt" => "take the root itself as a state, or write a polynomial that is close to it where the density is",
-        "sin" => "write a polynomial that is close to it where the density is, such as x - x^3/6 for sin(x)",
-        "cos" => "write a polynomial that is close to it where the density is, such as 1 - x^2/2 for cos(x)",
-        _ => "write a polynomial that is close to it where the density is",
+        "log" => return "log is ambiguous: write ln for the natural logarithm".into(),
+        "pow" => return "write x^n for a power".into(),
+        "sgn" | "signum" => "sign",
+        "heaviside" => "step",
+        "relu" => "pos, which is max(x, 0)",
+        "clip" => "min and max",
+        "floor" | "ceil" | "round" | "mod" => "step at each place where it jumps",
+        _ => {
+            let names: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();
+            return format!("there is no function {name}; there are {}", names.join(", "));
+        }
     };
-    format!("{name} of a state is no polynomial: {instead}")
+    format!("there is no function {name}: write {instead}")
 }

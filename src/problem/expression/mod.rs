@@ -1,16 +1,17 @@
-//! Expressions in states and parameters as polynomials.
+//! Expressions in states and parameters as polynomials, and functions of them.
 //!
-//! `parser` makes a tree of a text, with the places for its errors; `functions` lists the functions of numbers, and what takes the place
-//! of others.
+//! `parser` makes a tree of a text, with the places for its errors; `functions` lists the functions, and what takes the place of others.
 
 mod functions;
 mod parser;
 
+use crate::elementary::Elementary;
 use crate::fokker_planck::HIGHEST_DEGREE as HIGHEST;
-use crate::polynomial::{Polynomial, is_real, series};
+use crate::polynomial::{Arena, Polynomial, Symbol, is_real};
 use crate::record::Read;
-use functions::{FUNCTIONS, NamedFunction, of_state};
-use num_dual::{Dual64, DualNum};
+use crate::scalar::Scalar;
+use functions::FUNCTIONS;
+use num_dual::Dual64;
 pub(super) use parser::Expression;
 
 /// No polynomial here has more terms.
@@ -31,65 +32,52 @@ impl Fault {
 
 pub(super) type Parsed<T> = Result<T, Fault>;
 
-/// The value of an expression: a number, which may be a dual one, or a polynomial.
-#[derive(Clone, Debug)]
-enum Term {
-    Number(Dual64),
-    Polynomial(Polynomial),
+/// The arithmetic of symbols is the same whatever parameters are.
+fn applied(symbol: Symbol<'_>, function: Elementary) -> Symbol<'_> {
+    Scalar::<f64>::elementary(symbol, function)
 }
 
-fn sum(a: Term, b: Term) -> Term {
-    match (a, b) {
-        (Term::Number(a), Term::Number(b)) => Term::Number(a + b),
-        (Term::Number(a), Term::Polynomial(p)) | (Term::Polynomial(p), Term::Number(a)) => {
-            Term::Polynomial(series(a, p.dimension()) + p)
+/// A product, of which no polynomial has too many terms.
+fn product<'a>(a: Symbol<'a>, b: Symbol<'a>) -> Read<Symbol<'a>> {
+    if a.number().is_none() && b.number().is_none() {
+        let [(p, first), (q, second)] = [a, b].map(Symbol::size);
+        let terms = first.saturating_mul(second);
+        if p + q > HIGHEST || terms > MOST_TERMS {
+            return Err(format!("a product of degree {} with {terms} terms is too large", p + q));
         }
-        (Term::Polynomial(p), Term::Polynomial(q)) => Term::Polynomial(p + q),
+    }
+    Ok(a * b)
+}
+
+fn quotient<'a>(a: Symbol<'a>, b: Symbol<'a>) -> Read<Symbol<'a>> {
+    match b.number() {
+        Some(divisor) if divisor.re == 0.0 => Err(String::from("division by zero")),
+        Some(divisor) => Ok(a / divisor),
+        None => product(a, applied(b, Elementary::Power(-1.0))),
     }
 }
 
-fn product(a: Term, b: Term) -> Read<Term> {
-    let (p, q) = match (a, b) {
-        (Term::Number(a), Term::Number(b)) => return Ok(Term::Number(a * b)),
-        (Term::Number(a), Term::Polynomial(p)) | (Term::Polynomial(p), Term::Number(a)) => {
-            (series(a, p.dimension()), p)
+fn power<'a>(base: Symbol<'a>, exponent: Symbol<'a>) -> Read<Symbol<'a>> {
+    let Some(exponent) = exponent.number() else {
+        return Err("a state may not be an exponent: write exp(x*ln(a)) for a^x".into());
+    };
+    match base.number() {
+        Some(base) if is_real(base) && is_real(exponent) => Ok(base.re.powf(exponent.re).into()),
+        Some(base) if is_real(exponent) => Ok(base.powf(exponent.re).into()),
+        Some(base) => Ok((base.ln() * exponent).exp().into()),
+        None if !is_real(exponent) => {
+            product(applied(base, Elementary::Ln), exponent.into()).map(|logarithm| applied(logarithm, Elementary::Exp))
         }
-        (Term::Polynomial(p), Term::Polynomial(q)) => (p, q),
-    };
-    let terms = p.terms().count().saturating_mul(q.terms().count());
-    if p.degree() + q.degree() > HIGHEST || terms > MOST_TERMS {
-        return Err(format!("a product of degree {} with {terms} terms is too large", p.degree() + q.degree()));
-    }
-    Ok(Term::Polynomial(&p * &q))
-}
-
-fn quotient(a: Term, b: Term) -> Read<Term> {
-    match b {
-        Term::Polynomial(_) => Err(String::from(
-            "a state may not divide, since drift and noise are polynomials of the states: write one that is close to the quotient where the density is",
-        )),
-        Term::Number(divisor) if divisor.re == 0.0 => Err(String::from("division by zero")),
-        Term::Number(divisor) => product(a, Term::Number(divisor.recip())),
-    }
-}
-
-fn power(base: Term, exponent: Term) -> Read<Term> {
-    let Term::Number(exponent) = exponent else {
-        return Err("a state may not be an exponent: write a polynomial".into());
-    };
-    match base {
-        Term::Number(base) if is_real(base) && is_real(exponent) => Ok(Term::Number(base.re.powf(exponent.re).into())),
-        Term::Number(base) if is_real(exponent) => Ok(Term::Number(base.powf(exponent.re))),
-        Term::Number(base) => Ok(Term::Number((base.ln() * exponent).exp())),
-        Term::Polynomial(base) => {
+        None => {
             let whole = exponent.re;
-            if !is_real(exponent) || whole.fract() != 0.0 || !(0.0..=f64::from(HIGHEST)).contains(&whole) {
-                return Err(format!(
-                    "the exponent {whole} of a state is no whole number from 0 to {HIGHEST}: of a root take the root itself as a state, or write a polynomial that is close where the density is"
-                ));
+            if whole.fract() == 0.0 && (0.0..=f64::from(HIGHEST)).contains(&whole) {
+                let one = Symbol::from(1.0);
+                return (0..whole as u32).try_fold(one, |p, _| product(p, base));
             }
-            let one = Term::Polynomial(Polynomial::constant(base.dimension(), 1.0));
-            (0..whole as u32).try_fold(one, |p, _| product(p, Term::Polynomial(base.clone())))
+            if whole.abs() > f64::from(HIGHEST) {
+                return Err(format!("the exponent {whole} of a state is beyond {HIGHEST}"));
+            }
+            Ok(applied(base, Elementary::Power(whole)))
         }
     }
 }
@@ -122,15 +110,15 @@ impl Names {
     }
 
     /// What a name stands for.
-    fn value(&self, name: &str) -> Read<Term> {
+    fn value<'a>(&self, name: &str, arena: &'a Arena) -> Read<Symbol<'a>> {
         if let Some(i) = self.states.iter().position(|state| state == name) {
-            return Ok(Term::Polynomial(Polynomial::variable(self.variables(), i)));
+            return Ok(arena.symbol(Polynomial::variable(self.variables(), i)));
         }
         if let Some((_, value)) = self.parameters.iter().find(|(parameter, _)| parameter == name) {
-            return Ok(Term::Number(*value));
+            return Ok((*value).into());
         }
         if name == "pi" {
-            return Ok(Term::Number(std::f64::consts::PI.into()));
+            return Ok(std::f64::consts::PI.into());
         }
         if name == "t" || name == "time" {
             return Err(format!(
@@ -144,73 +132,55 @@ impl Names {
 }
 
 impl Expression {
-    /// The polynomial of an expression in states and parameters.
+    /// The polynomial of an expression in states and parameters, and in functions of them.
     pub(super) fn polynomial(&self, names: &Names) -> Parsed<Polynomial> {
-        let p = match self.value(names)? {
-            Term::Number(number) => series(number, names.variables()),
-            Term::Polynomial(p) => p,
-        };
-        if let Some((_, c)) = p.terms().find(|(_, c)| !c.is_finite()) {
-            return Err(Fault::new(0, format!("a coefficient is {c}")));
+        let arena = Arena::new(names.variables());
+        let p = self.value(names, &arena)?.polynomial(names.variables());
+        match p.not_finite() {
+            Some((_, c)) => Err(Fault::new(0, format!("a coefficient is {c}"))),
+            None => Ok(p),
         }
-        Ok(p)
     }
 
     /// The number of an expression in parameters.
     pub(super) fn number(&self, names: &Names) -> Parsed<Dual64> {
-        match self.value(names)? {
-            Term::Number(number) if number.re.is_finite() => Ok(number),
-            Term::Number(number) => Err(Fault::new(0, format!("it is {}", number.re))),
-            Term::Polynomial(_) => Err(Fault::new(0, "it must be a number")),
+        match self.value(names, &Arena::new(names.variables()))?.number() {
+            Some(number) if number.re.is_finite() => Ok(number),
+            Some(number) => Err(Fault::new(0, format!("it is {}", number.re))),
+            None => Err(Fault::new(0, "it must be a number")),
         }
     }
 
     /// Its value by those of the names in it.
-    fn value(&self, names: &Names) -> Parsed<Term> {
+    fn value<'a>(&self, names: &Names, arena: &'a Arena) -> Parsed<Symbol<'a>> {
         let at = |at: usize| move |problem: String| Fault::new(at, problem);
         match self {
-            Expression::Number(number) => Ok(Term::Number((*number).into())),
-            Expression::Name { at: place, name } => names.value(name).map_err(at(*place)),
-            Expression::Function { at: place, function, of } => applied(function, of.value(names)?).map_err(at(*place)),
+            Expression::Number(number) => Ok((*number).into()),
+            Expression::Name { at: place, name } => names.value(name, arena).map_err(at(*place)),
+            Expression::Function { function, of } => {
+                let arguments: Vec<_> = of.iter().map(|of| of.value(names, arena)).collect::<Parsed<_>>()?;
+                Ok((function.of)(&arguments))
+            }
             Expression::Sum(terms) => {
-                let mut total: Option<Term> = None;
+                let mut total: Option<Symbol<'a>> = None;
                 for (taken_away, term) in terms {
-                    let term = signed(*taken_away, term.value(names)?);
-                    total = Some(match total {
-                        None => term,
-                        Some(total) => sum(total, term),
-                    });
+                    let term = term.value(names, arena)?;
+                    let term = if *taken_away { -term } else { term };
+                    total = Some(total.map_or(term, |total| total + term));
                 }
-                Ok(total.unwrap_or(Term::Number(0.0.into())))
+                Ok(total.unwrap_or_else(|| 0.0.into()))
             }
             Expression::Product(first, more) => {
-                more.iter().try_fold(first.value(names)?, |value, (place, divides, factor)| {
-                    let factor = factor.value(names)?;
+                more.iter().try_fold(first.value(names, arena)?, |value, (place, divides, factor)| {
+                    let factor = factor.value(names, arena)?;
                     if *divides { quotient(value, factor) } else { product(value, factor) }.map_err(at(*place))
                 })
             }
             Expression::Power(place, parts) => {
-                let [base, exponent] = parts.each_ref().map(|part| part.value(names));
+                let [base, exponent] = parts.each_ref().map(|part| part.value(names, arena));
                 power(base?, exponent?).map_err(at(*place))
             }
         }
-    }
-}
-
-fn signed(taken_away: bool, term: Term) -> Term {
-    match term {
-        term if !taken_away => term,
-        Term::Number(number) => Term::Number(-number),
-        Term::Polynomial(p) => Term::Polynomial(&p * -1.0),
-    }
-}
-
-fn applied(function: &NamedFunction, term: Term) -> Read<Term> {
-    match term {
-        // A derivative that is infinite does not matter where there is none.
-        Term::Number(value) if is_real(value) => Ok(Term::Number((function.real)(value.re).into())),
-        Term::Number(value) => Ok(Term::Number((function.dual)(&value))),
-        Term::Polynomial(_) => Err(of_state(function.name)),
     }
 }
 
@@ -244,29 +214,38 @@ mod tests {
             ("-x^3 + 2*x", "2 x - x^3"),
             ("v - 1 + 2", "1 + v"),
             ("x/2*4 - v^2*0.5 + 3*v", "2 x + 3 v - 0.5 v^2"),
+            ("1/x", "(x)^(-1)"),
+            ("v - 2*x^0.5", "v - 2 sqrt(x)"),
+            ("x^1.5/(1 + v^2)", "(1 + v^2)^(-1) (x)^1.5"),
+            ("v + sin(k*x)", "v + sin(2 x)"),
+            ("sqrt(x)*sqrt(x) + abs(v)^3", "x + v^2 abs(v)"),
+            ("sign(v)*sign(v)*tanh(x)", "tanh(x)"),
+            ("exp(-x) - exp(-x) + cos(0)", "1"),
+            ("max(x, v)", "v + pos(x - v)"),
+            ("min(x, 1)", "x - pos(- 1 + x)"),
+            ("pos(x)^1.5 + step(v)", "step(v) + pos(x)^1.5"),
+            ("abs(sin(x) + 1)", "abs(1 + sin(x))"),
         ] {
             assert_eq!(text(expression), expected, "{expression}");
         }
     }
 
     #[test]
-    fn what_is_no_polynomial_is_refused() {
+    fn what_has_no_meaning_is_refused() {
         // With the byte at which it is.
         for (expression, part) in [
-            ("1/x", "1: a state may not divide"),
-            ("v - x^0.5", "5: the exponent 0.5 of a state is no whole number"),
             ("x^v", "1: a state may not be an exponent"),
-            ("v + sin(x)", "4: sin of a state is no polynomial"),
-            ("sqrt(x)", "take the root itself as a state"),
-            ("x*abs(v)", "2: abs has kinks"),
-            ("sign(v)", "0: sign has kinks"),
-            ("tanh(x)", "0: there is no function tanh"),
             ("pow(x, 2)", "0: write x^n"),
             ("log(k)", "0: log is ambiguous"),
             ("x**2", "1: **: write ^"),
             ("cos(k*t)", "6: \"t\" is neither a state nor a parameter, and a stationary density has no time"),
             ("y + 1", "0: \"y\" is neither"),
-            ("x^61", "whole number"),
+            ("x^61", "1: the exponent 61 of a state is beyond 60"),
+            ("x*sinh(v)", "2: there is no function sinh; there are sqrt"),
+            ("sgn(v)", "0: there is no function sgn: write sign"),
+            ("max(x)", "0: max has two arguments, and here 1"),
+            ("sin(x, v)", "0: sin has one argument, and here 2"),
+            ("2*(x, v)", "2: a comma has no meaning here"),
             ("x^2^3", "3: a power of a power"),
             ("(x+v)^50*(x-v)^50", "8: a product of degree 100"),
             ("x $ v", "2: the character '$' has no meaning"),

@@ -15,10 +15,10 @@ pub(in crate::problem) enum Expression {
         at: usize,
         name: String,
     },
+    /// A function with its arguments.
     Function {
-        at: usize,
         function: &'static NamedFunction,
-        of: Box<Expression>,
+        of: Vec<Expression>,
     },
     /// Terms, with whether each is taken away.
     Sum(Vec<(bool, Expression)>),
@@ -124,7 +124,14 @@ impl Parser<'_> {
 
     fn operand(&mut self) -> Parsed<Expression> {
         match self.next() {
-            Some('(') => self.in_parentheses(),
+            Some('(') => {
+                let at = self.at;
+                let mut all = self.in_parentheses()?;
+                match (all.pop(), all.is_empty()) {
+                    (Some(sum), true) => Ok(sum),
+                    _ => Err(Fault::new(at, "a comma has no meaning here: it parts the arguments of max and min")),
+                }
+            }
             Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
             Some(c) if c.is_ascii_alphabetic() || c == '_' => self.name(),
             Some(c) if ")+-*/^".contains(c) => self.fault(format!("a number or a name is missing before {c}")),
@@ -133,22 +140,25 @@ impl Parser<'_> {
         }
     }
 
-    fn in_parentheses(&mut self) -> Parsed<Expression> {
+    /// Sums in parentheses, with commas between them.
+    fn in_parentheses(&mut self) -> Parsed<Vec<Expression>> {
         let place = self.at;
         self.depth += 1;
         if self.depth > DEEPEST {
             return self.fault(format!("parentheses deeper than {DEEPEST}"));
         }
-        self.at += 1;
-        let sum = self.sum()?;
-        if self.next() == Some(',') {
-            return self.fault("a comma has no meaning here: functions have one argument");
-        }
-        if self.next() != Some(')') {
-            return Err(Fault::new(place, "this ( is not closed before the next operand or the end"));
+        let mut all = Vec::new();
+        loop {
+            self.at += 1;
+            all.push(self.sum()?);
+            match self.next() {
+                Some(',') => {}
+                Some(')') => break,
+                _ => return Err(Fault::new(place, "this ( is not closed before the next operand or the end")),
+            }
         }
         (self.at, self.depth) = (self.at + 1, self.depth - 1);
-        Ok(sum)
+        Ok(all)
     }
 
     /// The text from here on as far as its characters are of a kind.
@@ -187,7 +197,14 @@ impl Parser<'_> {
         let function = FUNCTIONS.iter().find(|function| function.name == name);
         let called = self.next() == Some('(');
         match function {
-            Some(function) if called => Ok(Expression::Function { at, function, of: Box::new(self.in_parentheses()?) }),
+            Some(function) if called => {
+                let of = self.in_parentheses()?;
+                if of.len() != function.arguments {
+                    let arguments = if function.arguments == 1 { "one argument" } else { "two arguments" };
+                    return Err(Fault::new(at, format!("{name} has {arguments}, and here {}", of.len())));
+                }
+                Ok(Expression::Function { function, of })
+            }
             Some(_) => Err(Fault::new(at, format!("{name} is a function: write {name}(…)"))),
             None if called => Err(Fault::new(at, outside(&name))),
             None => Ok(Expression::Name { at, name }),

@@ -86,8 +86,8 @@ impl Problem {
     /// A wall is on one displacement, `state = "x"`, or between two bodies, `between = ["x", "y"]` with their `masses`, which are
     /// equal where they are not given ([`Wall::between`]).
     ///
-    /// Entries are numbers, or expressions in quotes: `+`, `-`, `*`, `/` by a number, `^` with a whole exponent, and of numbers
-    /// and parameters also `sqrt`, `exp`, `ln`, `sin`, `cos` and `pi`. A parameter may be made of those above it. Each table
+    /// Entries are numbers, or expressions in quotes: `+`, `-`, `*`, `/`, `^`, `sqrt`, `exp`, `ln`, `sin`, `cos`, `tan`, `tanh`, `atan`,
+    /// `abs`, `sign`, `step`, `pos` (which is max(x, 0)), `max`, `min` and `pi`. A parameter may be made of those above it. Each table
     /// `[noise.NAME]` is one Wiener process; states that it does not name are not driven by it. Each table `[impulse.NAME]` is one
     /// source of Poisson impulses with its `rate` and `amplitude`, the law of [`Amplitude`](crate::Amplitude), and H for states:
     ///

@@ -1,8 +1,9 @@
 //! To text.
 
 use super::impulse::law;
+use crate::elementary::Elementary;
 use crate::error::{Error, Result};
-use crate::polynomial::Polynomial;
+use crate::polynomial::{FunctionOf, Polynomial};
 use crate::problem::Problem;
 use crate::problem::expression::is_name;
 use crate::system::Interpretation;
@@ -50,7 +51,7 @@ impl Problem {
             let struck = self.states().iter().zip(impulse.field()).filter(|(_, h)| !h.is_zero());
             struck.for_each(|(name, h)| line(&mut text, name, &self.expression(h)));
         }
-        for wall in self.walls() {
+        for wall in self.walls().iter().chain(self.ends()) {
             let side = if wall.is_above() { "above" } else { "below" };
             let first = &self.states()[wall.state()];
             text += "\n[[wall]]\n";
@@ -67,6 +68,12 @@ impl Problem {
 
     /// A polynomial as an expression in quotes, every coefficient with all its digits.
     fn expression(&self, p: &Polynomial) -> String {
+        format!("\"{}\"", self.unquoted(p))
+    }
+
+    fn unquoted(&self, p: &Polynomial) -> String {
+        let functions: Vec<String> = p.functions().iter().map(|of| self.function(of)).collect();
+        let names: Vec<&String> = self.states().iter().chain(&functions).collect();
         let mut text = String::new();
         for (alpha, c) in p.terms() {
             match (text.is_empty(), c < 0.0) {
@@ -76,11 +83,28 @@ impl Problem {
                 (false, true) => text += " - ",
             }
             text += &format!("{:?}", c.abs());
-            for (name, power) in self.states().iter().zip(alpha).filter(|(_, power)| **power > 0) {
-                text += &if *power == 1 { format!("*{name}") } else { format!("*{name}^{power}") };
+            for (name, power) in names.iter().zip(alpha).filter(|(_, power)| **power > 0) {
+                text += &match power {
+                    1 => format!("*{name}"),
+                    _ if name.contains('^') => format!("*({name})^{power}"),
+                    _ => format!("*{name}^{power}"),
+                };
             }
         }
-        if text.is_empty() { String::from("\"0\"") } else { format!("\"{text}\"") }
+        if text.is_empty() { String::from("0") } else { text }
+    }
+
+    /// A function of a polynomial.
+    fn function(&self, FunctionOf { function, argument }: &FunctionOf) -> String {
+        let argument = self.unquoted(argument);
+        match (*function, function.name()) {
+            (Elementary::PositivePower(power), Some(name)) if power != 0.0 && power != 1.0 => {
+                format!("{name}({argument})^({power:?})")
+            }
+            (_, Some(name)) => format!("{name}({argument})"),
+            (Elementary::Power(power), None) => format!("({argument})^({power:?})"),
+            (_, None) => argument,
+        }
     }
 }
 

@@ -265,7 +265,7 @@ mod tests {
     use crate::models::{Duffing, VelocityNoise};
     use crate::problem::Problem;
     use crate::walls::{Contact, Wall};
-    use crate::{PolynomialDrift, Result};
+    use crate::{Drift, Result};
     use pulp::Arch;
     use pulp::x86::{V3, V4};
 
@@ -284,7 +284,7 @@ mod tests {
         Ok((states.values().iter().map(|x| x.to_bits()).collect(), passages.impacts[0].map(f64::to_bits)))
     }
 
-    fn same_bits(system: impl PolynomialDrift<2, 1> + 'static, curved: bool) -> Result<()> {
+    fn same_bits(system: impl Drift<2, 1> + 'static, curved: bool) -> Result<()> {
         let problem = Problem::of(system)?.with_wall(Wall::above(0.1, 0.7)?)?;
         let contacts = problem.contacts();
         let mut scheme = Scheme::new(&problem, 1.0, 0.04);

@@ -46,6 +46,8 @@ pub(super) struct Scheme<'a> {
     pub(super) silent: bool,
     /// A factor of all noises.
     amplitude: f64,
+    /// Whether a jump of the drift or a reflecting end acts together with the noise.
+    bridged: bool,
     noise: Noise,
     modulation: Option<Modulation>,
     /// The multiple of the noise-induced drift that is added to the drift as written to make the Stratonovich drift.
@@ -114,6 +116,7 @@ impl<'a> Scheme<'a> {
             processes: problem.columns().len(),
             silent: !problem.operator().has_white_noise(),
             amplitude,
+            bridged: problem.is_bridged(),
             noise,
             modulation: None,
             induced: if corrected { -amplitude * amplitude } else { 0.0 },
@@ -168,7 +171,8 @@ impl<'a> Scheme<'a> {
         scratch: &mut StepBuffers,
     ) {
         if let Noise::Constant { noise, .. } = &self.noise {
-            self.field.kicks(self.arch, x, w, &self.through(noise, h, None, (1, &[])));
+            let kicks = Kicks { gain: self.gain(step), ..self.through(noise, h, None, (1, &[])) };
+            self.field.kicks(self.arch, x, w, &kicks);
             return;
         }
         let StepBuffers { lanes: [middle, other], .. } = scratch;
@@ -211,7 +215,7 @@ impl<'a> Scheme<'a> {
         scratch: &mut StepBuffers,
     ) {
         if let Noise::Constant { noise, .. } = &self.noise {
-            self.field.kick(x, w, &self.through(noise, h, None, (1, &[])));
+            self.field.kick(x, w, &Kicks { gain: self.gain(step), ..self.through(noise, h, None, (1, &[])) });
             return;
         }
         let [mut lanes, w] =
@@ -232,7 +236,8 @@ impl<'a> Scheme<'a> {
         additions: (usize, &[Addition]),
     ) -> Option<(usize, bool)> {
         match &self.noise {
-            Noise::Constant { noise, .. } if additions.0 > 0 => {
+            // Bridges need the gain of each kick.
+            Noise::Constant { noise, .. } if additions.0 > 0 && (self.modulation.is_none() || !self.bridged) => {
                 Some(self.field.kicks(self.arch, x, w, &self.through(noise, self.step, Some(walls), additions)))
             }
             _ => None,
@@ -247,7 +252,7 @@ impl<'a> Scheme<'a> {
         walls: Option<&'b [Nearness]>,
         (count, additions): (usize, &'b [Addition]),
     ) -> Kicks<'b> {
-        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, walls, count, additions }
+        Kicks { step, moved: &self.moved, pairs: self.pairs, noise, gain: 1.0, walls, count, additions }
     }
 
     /// The flow of the field G_k.
@@ -273,12 +278,12 @@ mod tests {
     use crate::numerics::Rule;
     use crate::polynomial::monomials;
     use crate::scalar::Scalar;
-    use crate::system::PolynomialDrift;
+    use crate::system::Drift;
 
     /// x″ + x′ + x = 0.4 x′ ξ₁ + 0.4 x ξ₂ + ξ₃, whose fields do not commute.
     struct Shaken(Interpretation);
 
-    impl PolynomialDrift<2, 3> for Shaken {
+    impl Drift<2, 3> for Shaken {
         fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
             [v, -v - x]
         }

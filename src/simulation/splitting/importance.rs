@@ -66,8 +66,12 @@ impl fmt::Debug for Importance<'_> {
 }
 
 /// Σ v²/2 − ∫₀¹ Σ x_i f_i(s x, 0) ds, the restoring force f_i integrated along the ray from 0: the potential energy of
-/// forces that have one. None where it does not grow in some direction that the terms of highest degree show.
+/// forces that have one. None where it does not grow in some direction that the terms of highest degree show, or the forces are no
+/// polynomials.
 fn energy(problem: &Problem) -> Option<Polynomial> {
+    if !problem.operator().is_polynomial() {
+        return None;
+    }
     let (n, pairs) = (problem.dimension(), problem.displacements());
     let velocity = |i: usize| pairs.iter().any(|&(_, j)| i == j);
     let mut energy = Polynomial::zero(n);

@@ -3,7 +3,7 @@
 use super::runner::Named;
 use crate::draw::Draw;
 use expoly::models::{Duffing, VibroImpactDuffing};
-use expoly::{Interpretation, PolynomialDrift, Problem, Scalar};
+use expoly::{Drift, Interpretation, Problem, Scalar};
 use std::fmt;
 use support::exact::Exact;
 
@@ -18,7 +18,7 @@ pub(crate) struct System {
     interpretation: Interpretation,
 }
 
-impl PolynomialDrift<2, 1> for System {
+impl Drift<2, 1> for System {
     fn drift<S: Scalar>(&self, [x, v]: [S; 2]) -> [S; 2] {
         let mut force = S::from(0.0);
         for ([i, j], c) in &self.terms {

@@ -4,8 +4,8 @@ use super::probe::{Probe, patience};
 use super::{densities, documents, motion};
 use crate::draw::Draw;
 use expoly::{
-    Amplitude, Basis, Closure, Density, Grid, Interpretation, PoissonImpulses, PolynomialSystem, Problem, Reference,
-    Result, Scalar, Simulation, Splitting, Wall,
+    Amplitude, Basis, Closure, Density, Grid, Interpretation, PoissonImpulses, Problem, Reference, Result, Scalar,
+    Simulation, Splitting, System, Wall,
 };
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -33,7 +33,7 @@ fn sum<S: Scalar>(terms: &Terms, x: &[S]) -> S {
     })
 }
 
-impl PolynomialSystem for Wild {
+impl System for Wild {
     fn dimension(&self) -> usize {
         self.drift.len()
     }
