@@ -1,11 +1,13 @@
 //! The functions that a drift may be made of beside sums, products and whole powers.
 
 use num_dual::DualNum;
+use serde::{Deserialize, Serialize};
 
 /// An elementary function of a number.
 ///
 /// Where it has a kink or a jump it has the mean of both sides: sign 0 = 0, and the slope of |x| at 0 is 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Elementary {
     /// sin x.
     Sin,

@@ -81,6 +81,8 @@ impl Closure {
             Ok(())
         } else if !problem.walls().is_empty() {
             refused("impulses next to walls")
+        } else if problem.is_bent() {
+            refused("impulses where the drift has a kink or a jump, or an end reflects the motion")
         } else if carried && self.reference == Reference::Equations {
             refused("impulses on nodes in three states and more")
         } else if carried && degrees.max() > Some(1) {
@@ -102,17 +104,17 @@ impl Closure {
             problem.require_no_ends(METHOD)?;
             return self.on_states(problem, settles, begin);
         }
+        // Polynomials solve their own smooth equations, and would not see the kinks of ln p.
+        if problem.is_bent() {
+            if self.reference == Reference::Equations {
+                let what = "moment equations where the drift has a kink or a jump";
+                return Err(Error::NotServed { method: METHOD, what, remedy: "leave out `reference`" });
+            }
+            return self.by_grid(problem, None, begin);
+        }
         let plan = PilotPlan::new(problem, self.seed, settles)?;
         let pilot = plan.pilot(self.states.unwrap_or(STATES), 1.0)?;
-        let bent = problem.is_bent();
-        if bent && (self.reference == Reference::Equations || !problem.impulses().is_empty()) {
-            let what = "moment equations where the drift has a kink or a jump";
-            let remedy = "leave out `reference`, or take the simulation under impulses";
-            return Err(Error::NotServed { method: METHOD, what, remedy });
-        }
-        if bent {
-            self.by_grid(problem, None, begin)
-        } else if self.reference == Reference::Equations || !problem.impulses().is_empty() {
+        if self.reference == Reference::Equations || !problem.impulses().is_empty() {
             self.by_equations(problem, (&plan, &pilot), begin)
         } else {
             self.by_either(problem, (&plan, &pilot), begin)
@@ -123,7 +125,14 @@ impl Closure {
     fn by_either(&self, problem: &Problem, run: (&PilotPlan<'_>, &Pilot), begin: Instant) -> Result<ClosureDensity> {
         let by_equations = (self.reference != Reference::Grid).then(|| self.by_equations(problem, run, begin));
         match by_equations {
-            Some(Ok(density)) if density.content.is_served_by_equations() => Ok(density),
+            // A potential that is no polynomial is one more function of Q.
+            Some(Ok(density)) if density.content.is_served_by_equations() => {
+                let closest = (!problem.operator().is_polynomial()).then(|| self.by_grid(problem, None, begin));
+                match closest {
+                    Some(Ok(closest)) if closest.is_better_than(&density) => Ok(closest.with_motion_of(&density)),
+                    _ => Ok(density),
+                }
+            }
             Some(by_equations) => match (self.by_grid(problem, Some(run.1), begin), by_equations) {
                 (Ok(closest), Ok(density)) if closest.is_worse_than(&density) => Ok(density),
                 (Ok(closest), Ok(density)) => Ok(closest.with_motion_of(&density)),

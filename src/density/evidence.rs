@@ -1,6 +1,6 @@
 use crate::error::Result;
 use crate::estimate::Estimate;
-use crate::problem::Surface;
+use crate::problem::Problem;
 use crate::states::States;
 use crate::walls::Wall;
 use std::fmt::Debug;
@@ -30,9 +30,9 @@ pub trait Evidence {
         Vec::new()
     }
 
-    /// The places of single states where ln p has a kink, since the drift has a kink or a jump there.
-    fn surfaces(&self) -> Vec<Surface> {
-        Vec::new()
+    /// The problem whose density it is, with the places where ln p has kinks.
+    fn problem(&self) -> Option<&Problem> {
+        None
     }
 
     /// The statistics of impacts, if the density counted some rather than integrated over walls.

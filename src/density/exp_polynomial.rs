@@ -36,6 +36,10 @@ impl ExpPolynomial {
     /// `noise` is the relative size below which a value counts as rounding and leaves the sign of Q far away open.
     pub(crate) fn new(q: Polynomial, frame: Frame, support: Support, noise: f64) -> Result<Self> {
         dimension("a polynomial", q.dimension(), frame.dimension())?;
+        if !q.is_plain() {
+            let (method, what) = ("exponential polynomial", "functions of the states in Q");
+            return Err(Error::NotServed { method, what, remedy: "give a polynomial, or take the grid's density" });
+        }
         q.terms().try_for_each(|(_, c)| finite("coefficient of Q", c).map(|_| ()))?;
         let half_space = match &support {
             Support::WholeSpace => Some(false),
@@ -76,7 +80,8 @@ impl ExpPolynomial {
     /// # Errors
     /// [`Error::NotNormalisable`] if Q does not fall in every direction that `support` leaves open; [`Error::OutOfRange`] for
     /// a support that is NaN or reversed, for a Q that is not finite or too steep to be integrated, and if the covariance of
-    /// `scale` is not positive definite; [`Error::NotServed`] where the quadrature would need too many nodes.
+    /// `scale` is not positive definite; [`Error::NotServed`] where the quadrature would need too many nodes, and for functions of the
+    /// states in Q.
     pub fn from_states(q: &Polynomial, scale: &Gaussian, support: Support) -> Result<Self> {
         let frame = Frame::new(scale)?;
         ExpPolynomial::new(in_frame(q, &frame), frame, support, 1e-13)

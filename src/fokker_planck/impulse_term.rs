@@ -92,9 +92,12 @@ impl ImpulseTerm {
         Impulse::new(self.process.each(|number| number.re), self.field[0].clone())
     }
 
-    /// The image of a polynomial, exactly.
+    /// The image of a polynomial, exactly. Not a number where it has functions of the states, whose image has none.
     pub(crate) fn generator(&self, statistic: &Polynomial) -> Polynomial {
         let n = self.field[0].len();
+        if !statistic.is_plain() {
+            return Polynomial::constant(n, f64::NAN);
+        }
         // Two more variables, which stand for ε and Y.
         let arena = Arena::new(n + 2);
         let [epsilon, size] = [0, 1].map(|k| Polynomial::variable(n + 2, n + k));

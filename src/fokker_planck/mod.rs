@@ -326,7 +326,8 @@ impl FokkerPlanck {
     }
 
     /// The rate of change of the mean of `statistic` as a polynomial: f·∇φ + ½ B:∇∇φ, and λ E[φ(x + H Y) − φ(x)] of impulses. Its
-    /// stationary mean is zero, which makes every polynomial a check of a density: a *moment equation*.
+    /// stationary mean is zero, which makes every polynomial a check of a density: a *moment equation*. Under impulses a statistic with
+    /// functions of the states has none.
     pub fn generator(&self, statistic: &Polynomial) -> Polynomial {
         let n = self.dimension();
         let mut rate = Polynomial::zero(n);

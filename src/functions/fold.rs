@@ -1,6 +1,6 @@
-//! Functions of one state with a kink.
+//! Functions of one state by which polynomials are multiplied.
 
-use super::HIGHEST;
+use super::{Curve, HIGHEST};
 use crate::elementary::Elementary;
 use crate::numerics::Number;
 use crate::polynomial::Polynomial;
@@ -10,14 +10,17 @@ use serde::{Deserialize, Serialize};
 /// A function of one state with a kink at a place, whose derivative of the order m is the first that jumps: |s|ᵐ for an odd m, s|s|ᵐ⁻¹
 /// for an even one, and max(s, 0)ᵐ where m is not whole, s the distance from the place over the half width of the box.
 ///
-/// With polynomials these span max(s, 0)ᵐ.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+/// With polynomials these span max(s, 0)ᵐ. Or a smooth curve, such as a potential, that counts as of the degree m and is even where the
+/// system has the symmetry.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Fold {
     pub(crate) state: usize,
     pub(crate) place: f64,
     /// m.
     pub(crate) power: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) curve: Option<Curve>,
 }
 
 /// The number in a list of exponents that stands for the product of fold `fold` with the Legendre polynomial of a degree.
@@ -31,7 +34,7 @@ impl Fold {
 
     /// Whether it is odd about its place; none where it is neither odd nor even.
     pub(crate) fn is_odd(&self) -> Option<bool> {
-        self.is_whole().then_some(self.power.rem_euclid(2.0) == 0.0)
+        self.is_whole().then_some(self.curve.is_none() && self.power.rem_euclid(2.0) == 0.0)
     }
 
     fn is_whole(&self) -> bool {
@@ -60,6 +63,9 @@ impl Fold {
     /// The function with two derivatives by the state, on a box of a half width.
     #[inline(always)]
     pub(super) fn jet<T: Number>(&self, x: T, half_width: f64) -> [T; 3] {
+        if let Some(curve) = &self.curve {
+            return [0, 1, 2].map(|order| x.map(|x| curve.jet(x)[order]));
+        }
         let (s, m) = ((x - self.place) * half_width.recip(), self.power);
         let of = |power: f64, odd: bool| {
             s.map(|s| match (self.is_whole(), s < 0.0) {
@@ -89,6 +95,9 @@ impl Fold {
     /// Refuses numbers without a meaning.
     pub(super) fn checked(self, states: usize) -> Read<Self> {
         positive("the power of a fold", self.power)?;
+        if let Some(curve) = &self.curve {
+            curve.clone().checked()?;
+        }
         if self.place.is_finite() && self.power <= f64::from(HIGHEST) && self.state < states {
             return Ok(self);
         }

@@ -94,7 +94,7 @@ impl Polynomials {
             let start = Polynomial::constant(states, a);
             sum + factors.fold(start, |product, (legendre, &exponent)| {
                 let product = &product * &legendre[degree(exponent)];
-                match Fold::decoded(exponent).0.map(|fold| self.folds[fold]) {
+                match Fold::decoded(exponent).0.map(|fold| &self.folds[fold]) {
                     Some(fold) => {
                         product * fold.polynomial(states, self.centre[fold.state], self.half_width[fold.state])
                     }

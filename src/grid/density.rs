@@ -5,7 +5,7 @@ use crate::density::{Crossing, Density, Evidence, summary};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::sort_by_number;
-use crate::problem::Surface;
+use crate::problem::Problem;
 use crate::provenance::Provenance;
 use crate::walls::Wall;
 use std::fmt;
@@ -67,8 +67,8 @@ impl Evidence for GridDensity {
         walls.iter().flatten().map(|wall| (*wall, problem.intensity_at_rest(wall))).collect()
     }
 
-    fn surfaces(&self) -> Vec<Surface> {
-        self.kept.problem.surfaces().to_vec()
+    fn problem(&self) -> Option<&Problem> {
+        Some(&self.kept.problem)
     }
 }
 

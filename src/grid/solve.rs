@@ -34,6 +34,9 @@ const DEGREE: usize = 10;
 /// The lowest degree of the polynomials for the closed form of one state: with a lower one what is left in the highest degree
 /// of a cell falls too slowly to come to rounding.
 const LEAST: usize = 6;
+/// What is lost where no mesh line can follow a kink.
+const OBLIQUE: &str = "the drift has a kink or a jump along a curve or an oblique line, which no mesh line follows: the error falls slowly there, \
+    as the estimate says";
 /// What remains open of a system whose trajectories were followed for too short a time.
 const UNSETTLED: &str = "trajectories spread farther for as long as the work of a pilot allows: there may be no stationary density, so \
     compare with a long simulation";
@@ -136,7 +139,8 @@ impl Grid {
         let l1_estimate = difference + changed;
         let cut = cut.then_some(edge_level);
         let warning = self.warning(&fine, l1_estimate, (cut, exhausted, changed));
-        let open = if pilot.settles { None } else { Some(UNSETTLED) };
+        let oblique = problem.is_bent_obliquely().then_some(OBLIQUE);
+        let open = if pilot.settles { oblique } else { Some(UNSETTLED) };
         let collapsing = walls.iter().flatten().any(Wall::collapses).then_some(COLLAPSE);
         let warning = warning.or(open.or(collapsing).map(str::to_owned));
         if fine.wells.determined && (l1_estimate.is_nan() || l1_estimate >= HOPELESS) {

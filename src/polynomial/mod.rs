@@ -48,7 +48,7 @@ pub struct Polynomial {
     /// The exponents of all terms, one term after the other: of the variables, then of the functions.
     exponents: Vec<u32>,
     coefficients: Vec<f64>,
-    #[serde(skip)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     functions: Vec<FunctionOf>,
 }
 
@@ -58,18 +58,25 @@ struct PolynomialParts {
     dimension: usize,
     exponents: Vec<u32>,
     coefficients: Vec<f64>,
+    #[serde(default)]
+    functions: Vec<FunctionOf>,
 }
 
 impl TryFrom<PolynomialParts> for Polynomial {
     type Error = String;
 
-    fn try_from(PolynomialParts { dimension: n, exponents, coefficients }: PolynomialParts) -> Read<Self> {
+    fn try_from(parts: PolynomialParts) -> Read<Self> {
+        let PolynomialParts { dimension, exponents, coefficients, functions } = parts;
+        let n = dimension.checked_add(functions.len()).ok_or("there are too many variables")?;
         if n.checked_mul(coefficients.len()) != Some(exponents.len()) {
             let (found, terms) = (exponents.len(), coefficients.len());
             return Err(format!("{found} exponents are not those of {terms} terms in {n} variables"));
         }
-        let terms = coefficients.iter().enumerate().map(|(k, &c)| (&exponents[k * n..(k + 1) * n], c));
-        Ok(Polynomial::collected(n, terms))
+        if functions.iter().any(|of| of.argument.dimension != dimension) {
+            return Err(format!("a function is not one of {dimension} variables"));
+        }
+        let terms = coefficients.iter().enumerate().map(|(k, &c)| (&exponents[k * n..(k + 1) * n], c)).collect();
+        Ok(Polynomial::merged(dimension, functions, terms))
     }
 }
 
@@ -122,11 +129,6 @@ impl Polynomial {
     }
 
     /// The sum of terms in any order; those of equal exponents are added in the order in which they come.
-    fn collected<'a>(states: usize, terms: impl Iterator<Item = (&'a [u32], f64)>) -> Self {
-        Self::merged(states, Vec::new(), terms.collect())
-    }
-
-    /// The same of a list, with exponents of functions as well, compiled once for all iterators.
     fn merged(states: usize, functions: Vec<FunctionOf>, mut terms: Vec<(&[u32], f64)>) -> Self {
         if !terms.is_sorted_by(|a, b| ordered(a.0, b.0).is_le()) {
             terms.sort_by(|a, b| ordered(a.0, b.0));

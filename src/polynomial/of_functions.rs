@@ -3,9 +3,11 @@
 use super::Polynomial;
 use crate::elementary::{Elementary, Parity};
 use crate::scalar::Scalar;
+use serde::{Deserialize, Serialize};
 
 /// An elementary function of a polynomial.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct FunctionOf {
     pub(crate) function: Elementary,
     pub(crate) argument: Polynomial,
@@ -290,6 +292,15 @@ mod tests {
         let at = [0.7, -0.4];
         let direct = p.evaluate(&inner.each_ref().map(|q| q.evaluate(&at)));
         assert!((p.compose(&inner).evaluate(&at) - direct).abs() < 1e-14);
+    }
+
+    #[test]
+    fn documents_hold_functions() {
+        let text = serde_json::to_string(&all()).unwrap_or_default();
+        assert_eq!(serde_json::from_str::<Polynomial>(&text).ok(), Some(all()));
+        let [x, _] = variables();
+        assert!(!serde_json::to_string(&x).unwrap_or_default().contains("functions"));
+        assert!(serde_json::from_str::<Polynomial>(&text.replacen("\"dimension\":2", "\"dimension\":1", 1)).is_err());
     }
 
     #[test]

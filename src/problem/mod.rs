@@ -234,6 +234,11 @@ impl Problem {
         !self.equations.surfaces.are_none() || !self.ends.is_empty()
     }
 
+    /// Whether it has one along a curve or a line across several states.
+    pub(crate) fn is_bent_obliquely(&self) -> bool {
+        !self.equations.surfaces.others.is_empty()
+    }
+
     /// The displacements, each with the state that is its velocity.
     pub fn displacements(&self) -> &[(usize, usize)] {
         &self.equations.displacements

@@ -87,7 +87,7 @@ impl Closure {
             }
             Ok(ClosureDensity::new(content))
         })?;
-        let pilot = pilot.filter(|_| problem.surfaces().is_empty());
+        let pilot = pilot.filter(|_| problem.operator().is_polynomial());
         if let Some(exact) = pilot.and_then(|pilot| exact(&closed, problem, pilot)) {
             return Ok((exact, false));
         }
@@ -108,6 +108,11 @@ fn exact(closest: &ClosureDensity, problem: &Problem, pilot: &Pilot) -> Option<C
 }
 
 impl ClosureDensity {
+    /// Whether it is by far the better answer than the density of moment equations.
+    pub(in crate::closure) fn is_better_than(&self, by_equations: &Self) -> bool {
+        self.l1_estimate() < BETTER * by_equations.l1_estimate()
+    }
+
     /// Whether the density of moment equations is the better answer: in two states, and by far, since a grid's estimate is the better
     /// one.
     pub(in crate::closure) fn is_worse_than(&self, by_equations: &Self) -> bool {
@@ -122,7 +127,7 @@ impl Closest<'_> {
         let TargetDensity { points, weights, .. } = &self.target;
         let locals = locals(problem, points);
         let excess = REFERENCE_EXCESS[problem.dimension() - 1] - 2;
-        let values = nodes::values(&self.family.functions(order + excess), points);
+        let values = nodes::values(&self.families[0].functions(order + excess), points);
         let measure = tempered(&exponent.values(points), weights, 1.0);
         let residuals = exponent.residuals(points, |i| &locals[i]);
         let weighted: Vec<f64> = measure.iter().zip(&residuals).map(|(w, r)| w * r).collect();

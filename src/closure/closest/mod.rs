@@ -28,7 +28,7 @@ use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::functions::{Corner, Functions};
 use crate::parallel;
-use crate::problem::{Surface, Symmetry};
+use crate::problem::{Problem, Surface, Symmetry};
 use crate::provenance::Provenance;
 use crate::states::States;
 use std::collections::BTreeMap;
@@ -111,8 +111,9 @@ pub(super) struct Closest<'a> {
     found: BTreeMap<u32, Option<(Fitted, Functions)>>,
     /// The same without the tail, once this has been found to hold much.
     above_tail: Option<Box<Self>>,
-    /// The functions of all orders on the box around the cells, and the part of ln p next to walls that no function here can follow.
-    family: SpaceFamily,
+    /// The functions of all orders on the box around the cells, without potentials and with them, and the part of ln p next to walls
+    /// that no function here can follow.
+    families: Vec<SpaceFamily>,
     known: Vec<Corner>,
 }
 
@@ -126,8 +127,8 @@ impl<'a> Closest<'a> {
     /// Where the density is above a share of its peak.
     fn above(density: &'a dyn Density, closure: &'a Closure, symmetry: &'a Symmetry, level: f64) -> Result<Self> {
         let target = TargetDensity::new(density, symmetry, level)?;
-        let (family, known) = spaces(density, closure, symmetry, &target.bounds());
-        Ok(Closest { density, closure, symmetry, target, found: BTreeMap::new(), above_tail: None, family, known })
+        let (families, known) = spaces(density, closure, symmetry, &target.bounds());
+        Ok(Closest { density, closure, symmetry, target, found: BTreeMap::new(), above_tail: None, families, known })
     }
 
     /// The content of the closest density of an order, or of a lower one if that is closer, with or without the tail.
@@ -221,16 +222,20 @@ impl<'a> Closest<'a> {
     fn best(&mut self, order: u32) -> Option<(Fitted, Functions)> {
         let mut best: Option<(Fitted, Functions)> = None;
         for lower in (2..order).step_by(2).chain([order]) {
+            let distance = |found: &(Fitted, Functions)| found.0.candidate.l1_estimate;
             let fitted = || {
-                let space = self.family.functions(lower);
-                Some((self.fitted(&space, 0.0)?, space))
+                let of_family = |family: &SpaceFamily| {
+                    let space = family.functions(lower);
+                    Some((self.fitted(&space, 0.0)?, space))
+                };
+                let all = self.families.iter().filter_map(of_family);
+                all.reduce(|one, other| if distance(&other) < distance(&one) { other } else { one })
             };
             let found = match self.found.get(&lower) {
                 Some(found) => found.clone(),
                 None => fitted(),
             };
             self.found.insert(lower, found.clone());
-            let distance = |found: &(Fitted, Functions)| found.0.candidate.l1_estimate;
             let least = best.as_ref().map_or(f64::INFINITY, distance);
             best = found.filter(|found| distance(found) < least).or(best);
             if best.as_ref().is_some_and(|best| distance(best) <= self.target.error) {
@@ -304,7 +309,7 @@ fn spaces(
     closure: &Closure,
     symmetry: &Symmetry,
     bounds: &[[f64; 2]],
-) -> (SpaceFamily, Vec<Corner>) {
+) -> (Vec<SpaceFamily>, Vec<Corner>) {
     let side = |(i, [low, high]): (usize, &[f64; 2])| {
         // Functions with the symmetry have it about 0.
         let centre = if symmetry.flips(i) { 0.0 } else { (low + high) / 2.0 };
@@ -313,17 +318,23 @@ fn spaces(
     let (centre, half_width): (Vec<f64>, Vec<f64>) = bounds.iter().enumerate().map(side).unzip();
     let walls = density.evidence().grazed_walls();
     if walls.is_empty() {
-        let within =
-            |surface: &Surface| bounds[surface.state][0] < surface.place && surface.place < bounds[surface.state][1];
-        let surfaces: Vec<Surface> = density.evidence().surfaces().into_iter().filter(within).collect();
+        let problem = density.evidence().problem();
+        let within = |surface: &&Surface| {
+            let [low, high] = bounds[surface.state];
+            low < surface.place && surface.place < high
+        };
+        let surfaces = problem.map_or(&[][..], Problem::surfaces).iter().filter(within).copied().collect::<Vec<_>>();
         let (folds, symmetry) = folded::at(&surfaces, symmetry);
-        let degrees = closure.degrees.clone();
-        return (SpaceFamily::Smooth(Smooth { degrees, symmetry, centre, half_width, folds }), Vec::new());
+        let potentials = problem.map_or_else(Vec::new, |problem| folded::potentials(problem, bounds));
+        let smooth = Smooth { degrees: closure.degrees.clone(), symmetry, centre, half_width, folds };
+        let more = (!potentials.is_empty())
+            .then(|| Smooth { folds: [&smooth.folds[..], &potentials].concat(), ..smooth.clone() });
+        return (std::iter::once(smooth).chain(more).map(SpaceFamily::Smooth).collect(), Vec::new());
     }
     let speed = bounds[1][0].abs().max(bounds[1][1].abs());
     let corner = |(wall, intensity)| Corner::new(wall, vec![1], intensity, [2.0 * half_width[0], speed]);
     let corners: Vec<Corner> = walls.into_iter().map(corner).collect();
-    (SpaceFamily::Walled(Walled { corners: corners.clone(), centre, half_width }), corners)
+    (vec![SpaceFamily::Walled(Walled { corners: corners.clone(), centre, half_width })], corners)
 }
 
 /// What a density is closest to.

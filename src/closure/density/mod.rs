@@ -160,10 +160,10 @@ impl ClosureDensity {
     }
 
     /// ln p as a polynomial of the states, valid on the trust domain, and of functions such as |v| where the drift has a kink or a jump;
-    /// `None` where walls add terms that are no polynomials.
+    /// `None` where walls add terms that are no polynomials, or Q has the potential of a force by its table.
     pub fn log_polynomial(&self) -> Option<Polynomial> {
         let Exponent { space, constant, coefficients, .. } = &self.content.exponent;
-        let polynomials = space.on_one_box()?;
+        let polynomials = space.on_one_box().filter(|own| own.folds().iter().all(|fold| fold.curve.is_none()))?;
         Some(polynomials.in_powers(coefficients).compose(&polynomials.coordinates()) + *constant)
     }
 

@@ -1,17 +1,48 @@
 //! Products of polynomials with functions that have a kink where the drift has a kink or a jump.
 
 use super::degrees::Degrees;
-use crate::functions::Fold;
+use crate::functions::{Curve, Fold};
 use crate::numerics::sort_by_number;
-use crate::problem::{Surface, Symmetry};
+use crate::polynomial::Polynomial;
+use crate::problem::{Problem, Surface, Symmetry};
 
 /// The folds that ln p has at some surfaces, and the part of a symmetry that they have as well.
 pub(in crate::closure) fn at(surfaces: &[Surface], symmetry: &Symmetry) -> (Vec<Fold>, Symmetry) {
-    let fold = |&Surface { state, place, power, .. }: &Surface| Fold { state, place, power };
+    let fold = |&Surface { state, place, power, .. }: &Surface| Fold { state, place, power, curve: None };
     let folds: Vec<Fold> = surfaces.iter().map(fold).collect();
     // The image of a fold at another place than 0 is elsewhere.
     let turned = folds.iter().filter(|fold| fold.place != 0.0 || fold.is_odd().is_none()).map(|fold| fold.state);
     (folds.clone(), symmetry.clone().without_flips_of(turned))
+}
+
+/// The potential U(x) = ∫ h(x, 0) dx of an oscillator x″ + h(x, x′) = ξ, and the integral of its friction ∫ h(0, v) dv, where these are no
+/// polynomials, on a box; of one state the exponent ∫ 2f/B dx. Where damping is linear exp(−(c/D)(v²/2 + U)) is the density.
+pub(in crate::closure) fn potentials(problem: &Problem, bounds: &[[f64; 2]]) -> Vec<Fold> {
+    let operator = problem.operator();
+    let curve = |state: usize, degree: f64, slope: &dyn Fn(f64) -> f64| {
+        let curve = Curve::integral(slope, bounds[state])?;
+        Some(Fold { state, place: 0.0, power: degree, curve: Some(curve) })
+    };
+    let depends = |f: &Polynomial, i: usize| f.all_functions().iter().any(|of| of.argument.contains(i));
+    match (problem.dimension(), problem.displacements()) {
+        (1, _) if !operator.is_polynomial() => {
+            let (f, b) = (&operator.drift()[0], &operator.diffusion()[0][0]);
+            curve(0, 1.0, &|x| f.evaluate(&[x]) / b.evaluate(&[x])).into_iter().collect()
+        }
+        (2, [(x, v)]) => {
+            let f = &operator.drift()[*v];
+            let at = |state: usize, value: f64| {
+                let mut place = [0.0; 2];
+                place[state] = value;
+                f.evaluate(&place)
+            };
+            let potential = depends(f, *x).then(|| curve(*x, 2.0, &|value| at(*x, value))).flatten();
+            let rest = at(*v, 0.0);
+            let friction = depends(f, *v).then(|| curve(*v, 1.0, &|value| at(*v, value) - rest)).flatten();
+            potential.into_iter().chain(friction).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// The exponents up to a degree, and those of products with folds, which count by their powers: those of a smaller degree come first.
