@@ -4,7 +4,7 @@
 ///
 /// With s the distance from the place, ds = −μ sgn(s) dt + σ dW has a |s| that is Y_t − min(0, min Y) with Y = |s₀| − μ t + σ W, and as
 /// long as Y has no zero the sign of s₀; afterwards either sign is as likely. Given its end, the least value of Y is drawn by the law of
-/// a Brownian bridge (T. K. Caughey and J. K. Dienes, 1961, doi:10.1063/1.1777011, have the density of s). A split step that takes the
+/// a Brownian bridge (T. K. Caughey and J. K. Dienes, Journal of Applied Physics 32 (1961) 2476-2479, have the density of s). A split step that takes the
 /// friction apart from the noise is of the weak order 1 to 1.5 there. At a reflecting end s itself is that |s|.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bridge {

@@ -1,6 +1,6 @@
 //! The user's own definition behind a trait object: nothing outside this folder is compiled for a user's type.
 //!
-//! - `fixed`: systems of arrays; `polynomials`: systems that are given as polynomials;
+//! - `fixed`: systems of arrays; `polynomials`: systems that are given as polynomials, by their `sums`;
 //! - `bridge`: noise across a jump of the drift, and next to a reflecting end;
 //! - `flow`: the short flows and kicks that steps in time are made of.
 
@@ -8,6 +8,7 @@ mod bridge;
 mod fixed;
 mod flow;
 mod polynomials;
+mod sums;
 
 use crate::fokker_planck::Local;
 use crate::numerics::Lanes;

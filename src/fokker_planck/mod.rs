@@ -13,6 +13,7 @@
 mod impulse_term;
 mod impulses;
 mod local;
+mod near;
 mod stretched;
 mod text;
 
@@ -22,7 +23,7 @@ pub(crate) use local::Local;
 
 use crate::checks::require;
 use crate::error::{Error, Result};
-use crate::polynomial::{Arena, Frame, Gaussian, Polynomial, Symbol};
+use crate::polynomial::{Arena, Frame, Polynomial, Symbol};
 use crate::system::Interpretation;
 use num_dual::Dual64;
 
@@ -138,13 +139,6 @@ impl FokkerPlanck {
         let (what, remedy) =
             ("functions of the states, such as sin x or |v|", "take `Closure::new`, the grid or the simulation");
         if self.is_polynomial() { Ok(()) } else { Err(Error::NotServed { method, what, remedy }) }
-    }
-
-    /// The operator of polynomials, without impulses, whose means and those of its derivatives are the same near a Gaussian.
-    pub(crate) fn near(&self, gaussian: &Gaussian) -> Self {
-        let projected = |row: &Vec<Polynomial>| row.iter().map(|p| gaussian.projected(p)).collect();
-        let diffusion = self.diffusion.iter().map(projected).collect();
-        FokkerPlanck { drift: projected(&self.drift), diffusion, impulses: Vec::new(), moved: Vec::new() }
     }
 
     /// Requires that noise reaches every state, its own or that of states which its drift contains, or that impacts join with it.
@@ -297,32 +291,6 @@ impl FokkerPlanck {
             impulses: self.impulses.iter().map(|impulse| impulse.with(unit, impulse.field().to_vec())).collect(),
             moved: self.moved.iter().map(|term| term.with(unit, <[Polynomial]>::to_vec)).collect(),
         }
-    }
-
-    /// The linear system with the drift Σ_j `slope`(i, j) (x_j − `centre`_j) and the constant diffusion `diffusion`(i, j).
-    pub(crate) fn linear(
-        slope: impl Fn(usize, usize) -> f64,
-        centre: &[f64],
-        diffusion: impl Fn(usize, usize) -> f64,
-    ) -> Self {
-        let n = centre.len();
-        let from = |j: usize| Polynomial::variable(n, j) + -centre[j];
-        let drift = |i: usize| (0..n).fold(Polynomial::zero(n), |sum, j| sum + from(j) * slope(i, j));
-        let constant = |i: usize, j: usize| Polynomial::constant(n, diffusion(i, j));
-        FokkerPlanck {
-            drift: (0..n).map(drift).collect(),
-            diffusion: (0..n).map(|i| (0..n).map(|j| constant(i, j)).collect()).collect(),
-            impulses: Vec::new(),
-            moved: Vec::new(),
-        }
-    }
-
-    /// The linear system that has the same mean drift, slopes and diffusion under `gaussian`: statistical linearisation.
-    pub(crate) fn linearised(&self, gaussian: &Gaussian) -> Self {
-        let FokkerPlanck { drift, diffusion, .. } = &self.near(gaussian);
-        let slope = |i: usize, j: usize| gaussian.expectation(&drift[i].derivative(j));
-        let diffusion = |i: usize, j: usize| gaussian.expectation(&diffusion[i][j]);
-        Self::linear(slope, gaussian.mean.as_slice(), diffusion)
     }
 
     /// The rate of change of the mean of `statistic` as a polynomial: f·∇φ + ½ B:∇∇φ, and λ E[φ(x + H Y) − φ(x)] of impulses. Its

@@ -191,16 +191,7 @@ impl Split {
                 all.iter()
                     .fold(f.clone(), |f, of| f.beside(of, above == (of.argument.derivative(i).constant_term() > 0.0)))
             };
-            let there: Vec<Polynomial> = (0..drift.len())
-                .map(|j| {
-                    if i == j {
-                        Polynomial::constant(drift.len(), surface.place)
-                    } else {
-                        Polynomial::variable(drift.len(), j)
-                    }
-                })
-                .collect();
-            let half = ((side(true) - side(false)) * 0.5).compose(&there);
+            let half = at_place(&((side(true) - side(false)) * 0.5), i, surface.place);
             let sign = (Polynomial::variable(drift.len(), i) + -surface.place).applied(Elementary::Sign);
             split.rest[i] = &split.rest[i] - &(&half * &sign);
             split.pushes.push(half);
@@ -217,10 +208,7 @@ impl Split {
         let n = self.rest.len();
         for i in 0..n {
             let own: Vec<&Wall> = ends.iter().filter(|end| end.state() == i).collect();
-            let at = |place: f64| {
-                let there = |j: usize| if i == j { Polynomial::constant(n, place) } else { Polynomial::variable(n, j) };
-                self.rest[i].compose(&(0..n).map(there).collect::<Vec<_>>())
-            };
+            let at = |place: f64| at_place(&self.rest[i], i, place);
             let push = match own[..] {
                 [] => continue,
                 [end] => at(end.offset()),
@@ -240,6 +228,13 @@ impl Split {
         }
         self
     }
+}
+
+/// A polynomial where one state is at a place.
+fn at_place(p: &Polynomial, state: usize, place: f64) -> Polynomial {
+    let n = p.dimension();
+    let there = |j: usize| if j == state { Polynomial::constant(n, place) } else { Polynomial::variable(n, j) };
+    p.compose(&(0..n).map(there).collect::<Vec<_>>())
 }
 
 /// The state and the place where an argument vanishes, if it is a linear one of that state alone.

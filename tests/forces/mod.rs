@@ -44,10 +44,9 @@ fn closed_forms_are_found_by_every_method() -> Result<()> {
         for (powers, truth) in unsigned.iter().zip(&truth) {
             let (by_grid, sampled) = (grid.moment(powers)?, simulation.moment(powers)?);
             println!("{name} {powers:?}: {truth}, grid {by_grid}, simulation {sampled}");
-            // Moments are as right as the density, and 4001 nodes leave 1e-7 at kinks.
-            assert!((by_grid.value - truth).abs() < 3e-6, "{name} {powers:?}: {by_grid} and {truth}");
-            // 4.5 deviations, and a thousandth of bias by the time step.
-            assert!((sampled.value - truth).abs() < 4.5 * sampled.error + 1e-3, "{name}: {sampled} and {truth}");
+            // Measured are 3e-8, as the grid's estimate of 1e-6 in L¹ is a bound.
+            assert!((by_grid.value - truth).abs() < 1e-7, "{name} {powers:?}: {by_grid} and {truth}");
+            assert!((sampled.value - truth).abs() < 4.0 * sampled.error, "{name}: {sampled} and {truth}");
         }
         // The potential, or its kinks, are functions of Q.
         let closure = Closure::new(4).solve(&problem)?;
@@ -90,8 +89,8 @@ fn the_closure_has_the_kinks_of_the_density() -> Result<()> {
     Ok(())
 }
 
-/// A body that friction holds: p = C exp(−(c v²/2 + μ|v|)/D) in one state. A step that takes friction apart from the noise is off by 4 % at
-/// h = 0.2, and by their exact draw by 1e-3; without control variates, so that it is the step's own error.
+/// A body that friction holds: p = C exp(−(c v²/2 + μ|v|)/D) in one state. A step that takes friction apart from the noise is off by 4.4 % at
+/// h = 0.2, and by their exact draw by 0.07 %, a fifth of the error here; without control variates, so that it is the step's own error.
 #[test]
 fn friction_and_noise_are_one_step() -> Result<()> {
     let problem = Problem::from_toml("states = ['v']\ndrift.v = '-0.1*v - 0.6*sign(v)'\nnoise.w.v = 'sqrt(0.4)'")?;
@@ -103,9 +102,9 @@ fn friction_and_noise_are_one_step() -> Result<()> {
     let simulation = Simulation::new().samples(400_000).time_step(0.2).control_variates(false).run(&problem)?;
     let found = simulation.moment(&[2])?;
     println!("{found} and {truth}");
-    assert!((found.value - truth).abs() < 4.0 * found.error + 1e-3 * truth, "{found} and {truth}");
+    assert!((found.value - truth).abs() < 4.0 * found.error, "{found} and {truth}");
     assert!(found.error < 5e-3 * truth, "{found}");
-    // With a spring: E x² by the grid of 18 cells of degree 8 a side.
+    // With a spring the steps take x and v apart, which leaves −0.2 % at h = 0.1; twice that is allowed beside the error. E x² by a grid.
     let problem = Problem::of(DryFriction::new([0.05, 0.6, 1.0, 0.0], 0.2)?)?;
     let found = Simulation::new().samples(400_000).time_step(0.1).run(&problem)?.moment(&[2, 0])?;
     assert!((found.value / 0.2002468313 - 1.0).abs() < 4.0 * found.error / found.value + 4e-3, "{found}");
