@@ -196,7 +196,7 @@ fn wrong_files_and_questions_name_the_value() {
         (&[&duffing, "--order", "0"], &["order of the closure = 0"]),
         (&[&duffing, "--orders", "4,99"], &["order of the closure = 99"]),
         (&[&duffing, "--method", "oracle"], &["oracle"]),
-        (&[&system("filtered"), "--method", "grid"], &["the grid does not serve"]),
+        (&[&system("absorber"), "--method", "grid"], &["the grid does not serve"]),
         (&[&duffing, "--set", "q=0.1"], &["--set", "\"q\""]),
         (&[&duffing, "--set", "c"], &["write NAME=VALUE"]),
         (&[&duffing, "--set", "c=0.1,0.2", "--figure", "out.svg"], &["--figure", "one value of each parameter"]),

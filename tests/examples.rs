@@ -372,6 +372,23 @@ fn coloured_noise_prints_moments_beside_a_simulation() {
     assert!(table.starts_with("title,abscissa,ordinate,series,x,y,low,high,value\n") && table.contains("a = 2,"));
 }
 
+/// A density of three states: moments of the grid beside a simulation's, both with their errors, and a figure.
+#[test]
+fn three_states_print_moments_beside_a_simulation() {
+    let out = scratch("three_states");
+    let arguments = ["--accuracy", "1e-2", "--samples", "20000", "--out", out.to_str().unwrap()];
+    let text = String::from_utf8(run("three_states", &arguments).stdout).unwrap();
+    let rows: Vec<&str> = text.lines().filter(|line| line.starts_with("E [")).collect();
+    assert_eq!(rows.len(), 5, "{text}");
+    for row in rows {
+        let numbers: Vec<f64> =
+            row.split(": ").nth(1).unwrap().split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        let [found, own, sampled, error] = numbers[..] else { panic!("{row}") };
+        assert!((found - sampled).abs() < own + 4.0 * error, "{row}");
+    }
+    assert!(out.join("density.svg").exists());
+}
+
 /// Where the motion crosses between the wells, more than twice the linear harvester's share: by the closure, and by a
 /// simulation within four of its standard errors.
 #[test]

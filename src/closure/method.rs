@@ -64,7 +64,8 @@ pub enum Reference {
     /// solution, as in weakly damped systems of four states, or the pilot's moments contradict it, the answer is that of the states, and
     /// [`Provenance::without_reference`](crate::Provenance::without_reference) gives the reason.
     Equations,
-    /// The density of a grid, in one state and two, without impulses: of an accuracy of 1e-3, or 1e-5 where that limits.
+    /// The density of a grid, in one state to three, without impulses: of an accuracy of 1e-3, or 1e-5 and 1e-7 where that limits; in
+    /// three states 1e-2, or 1e-3.
     Grid,
     /// The calibrated means of the pilot's states, of which Q is the most likely density.
     States,

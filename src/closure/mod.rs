@@ -128,7 +128,7 @@ const LOWEST_COMPARED: f64 = 1e-5;
 /// they may. Halved or doubled, it changes L¹ errors of nine closures of orders 4 to 8 by up to +7 % or −3 %.
 const TAILS_ENOUGH: f64 = 0.25;
 /// The most memory of a grid that a closure is the closest to, in GiB: a bound on work, which makes it a matter of seconds.
-const GRID_MEMORY: f64 = 0.3;
+const GRID_MEMORY: [f64; 3] = [0.3, 0.3, 3.0];
 /// Draws for integrals of a density: a standard error of some tenths of a percent for fourth moments in ten states.
 const DRAWS: usize = 400_000;
 /// The fewest blocks of states for each function whose moment equation is used.

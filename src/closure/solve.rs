@@ -62,7 +62,7 @@ impl Closure {
         let begin = Instant::now();
         problem.require_no_rest()?;
         problem.operator().require_reached(&problem.joined())?;
-        let walls = if problem.dimension() > 2 { [None, None] } else { problem.walls_of_plane(METHOD)? };
+        let walls = if problem.dimension() > 2 { [None, None] } else { problem.walls_of_oscillator(METHOD)? };
         self.serves_impulses(problem)?;
         let settles = require_settling(problem)?;
         if walls.iter().any(Option::is_some) {
@@ -95,10 +95,13 @@ impl Closure {
     fn in_open_space(&self, problem: &Problem, settles: bool, begin: Instant) -> Result<ClosureDensity> {
         let dimension = problem.dimension();
         self.check(dimension, HIGHEST_ORDER)?;
-        if self.reference == Reference::Grid && (dimension > 2 || !problem.impulses().is_empty()) {
-            let what = "a grid as the reference in three states and more, or under impulses";
+        if self.reference == Reference::Grid && (dimension > 3 || !problem.impulses().is_empty()) {
+            let what = "a grid as the reference in four states and more, or under impulses";
             let remedy = "take another reference, or leave out `reference`";
             return Err(Error::NotServed { method: METHOD, what, remedy });
+        }
+        if self.reference == Reference::Grid && dimension == 3 {
+            return self.by_grid(problem, None, begin);
         }
         if dimension > 2 || self.reference == Reference::States {
             problem.require_no_ends(METHOD)?;

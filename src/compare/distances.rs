@@ -214,6 +214,10 @@ fn over_nodes(density: &dyn Density, reference: &dyn Density, which: usize) -> R
             worst.fetch_max(spread.to_bits(), Ordering::Relaxed);
             let q = if q.value > 0.0 { q.value.ln() } else { log };
             let scale = if under_density { p } else { q };
+            if scale == f64::NEG_INFINITY {
+                // A grid has values below zero; they count as 0, and nothing is under them.
+                return (1.0, Estimate::exact(1.0));
+            }
             let q = (q - scale).exp();
             ((p - scale).exp(), Estimate::new(q, q * spread))
         };

@@ -1,7 +1,7 @@
 use super::field::{Along, EVERYWHERE, GridField};
 use super::kept::Kept;
 use crate::checks::{coordinate, dimension, point, require};
-use crate::density::{Crossing, Density, Evidence, summary};
+use crate::density::{Crossing, Density, Evidence, pair, summary};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::numerics::sort_by_number;
@@ -64,6 +64,9 @@ impl GridDensity {
 impl Evidence for GridDensity {
     fn grazed_walls(&self) -> Vec<(Wall, f64)> {
         let Kept { problem, walls, .. } = &*self.kept;
+        if problem.dimension() != 2 {
+            return Vec::new();
+        }
         walls.iter().flatten().map(|wall| (*wall, problem.intensity_at_rest(wall))).collect()
     }
 
@@ -107,6 +110,13 @@ impl Density for GridDensity {
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
         let state = coordinate("the state of a marginal", state, x, self.dimension())?;
         Ok(self.estimate(|field| field.integral(&at(field, state, x))))
+    }
+
+    fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
+        let states = pair(states, x, self.dimension())?;
+        let along = |axis: usize| (0..2).find(|k| states[*k] == axis).map_or(Along::All, |k| Along::At(x[k]));
+        let section = |field: &GridField| field.integral(&(0..self.dimension()).map(along).collect::<Vec<_>>());
+        Ok(self.estimate(section))
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
@@ -205,7 +215,12 @@ pub(super) fn unresolved(field: &GridField, crossing: Crossing, power: u32) -> f
         let (Some(inner), Some(outer)) = (lines.get(k), lines.get(k + 1)) else { return 0.0 };
         let range = [inner.min(*outer), inner.max(*outer)];
         let size = |v: f64| v.abs().powi(power as i32);
-        field.integral(&[Along::At(crossing.level), Along::Function(&size, power as usize, range)])
+        let along = |axis: usize| match axis {
+            0 => Along::At(crossing.level),
+            1 => Along::Function(&size, power as usize, range),
+            _ => Along::All,
+        };
+        field.integral(&(0..field.shape.states).map(along).collect::<Vec<_>>())
     };
     let [first, second, third] = [0, 1, 2].map(layer);
     let ratio = third / second;
@@ -246,7 +261,7 @@ mod tests {
 
     #[test]
     fn an_error_holds_the_difference_of_degrees_and_all_changes() {
-        let mesh = Arc::new(Mesh::new([0.0; 2], Tree::new(&[vec![0.0, 1.0]]), [Side::Open; 2]));
+        let mesh = Arc::new(Mesh::new([0.0; 3], Tree::new(&[vec![0.0, 1.0]]), [Side::Open; 2]));
         let [fine, coarse, first, second] =
             [6, 4, 2, 3].map(|degree| GridField::zero(&mesh, Shape { states: 1, degree }));
         let found = estimate([&fine, &coarse], &[first, second], |field| field.shape.degree as f64);

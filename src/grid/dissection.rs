@@ -50,6 +50,14 @@ impl Front {
         Dissection { mesh, keys: &keys, side: &mut side }.divided((0..mesh.cells.len()).collect())
     }
 
+    /// The floating-point operations of the factors with `face` unknowns at a face, without those of single cells.
+    pub(super) fn work(&self, face: f64) -> f64 {
+        let Parts::Halves(parts) = &self.parts else { return 0.0 };
+        let [own, boundary] = [&self.own, &self.boundary].map(|faces| faces.len() as f64 * face);
+        let below: f64 = parts.iter().map(|(part, _)| part.work(face)).sum();
+        below + 2.0 / 3.0 * own.powi(3) + 2.0 * own * boundary * (own + boundary)
+    }
+
     /// What the factors take with `face` unknowns at a face, without those of single cells.
     pub(super) fn numbers(&self, face: f64) -> Numbers {
         let [own, boundary] = [&self.own, &self.boundary].map(|faces| faces.len() as f64 * face);
@@ -179,7 +187,7 @@ mod tests {
             let leaf = tree.locate(&[3.0 * share(0.618_034), 4.0 * share(0.754_878) - 2.0]).unwrap();
             tree.halve(leaf, k % 2);
         }
-        Mesh::new([0.0; 2], tree, [Side::Wall(0.7), Side::Open])
+        Mesh::new([0.0; 3], tree, [Side::Wall(0.7), Side::Open])
     }
 
     /// Each face is eliminated where the pieces on both sides come together.

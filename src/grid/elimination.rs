@@ -6,7 +6,6 @@
 //! where coupled faces do, whatever the pivots. That is safe here: probability gets out of every piece in the end.
 
 use super::dissection::{Front, Parts};
-use super::forms::Matrices;
 use super::panel::Panel;
 use faer::Mat;
 
@@ -15,8 +14,8 @@ const TASK: usize = 16;
 
 /// The linear system of a mesh: what it takes from each cell.
 pub(super) trait Cells: Sync {
-    /// The matrices of a cell.
-    fn matrices(&self, cell: usize) -> Matrices;
+    /// The factors of a cell's own unknowns, and the matrix that they leave to its faces.
+    fn condensed(&self, cell: usize) -> (Panel, Mat<f64>);
     /// Unknowns at a face.
     fn face(&self) -> usize;
 }
@@ -98,7 +97,11 @@ fn scatter(faces: &[usize], size: usize, values: &[f64], x: &mut [f64]) {
 fn factored(front: &Front, cells: &impl Cells) -> (Factored, Mat<f64>) {
     let size = cells.face();
     let parts = match &front.parts {
-        Parts::Cell(cell) => return condensed(*cell, front, cells),
+        Parts::Cell(cell) => {
+            let (panel, left) = cells.condensed(*cell);
+            debug_assert_eq!(left.nrows(), front.boundary.len() * size);
+            return (Factored { parts: Vec::new(), panel }, left);
+        }
         Parts::Halves(parts) => parts,
     };
     let below = |k: usize| factored(&parts[k].0, cells);
@@ -117,23 +120,6 @@ fn factored(front: &Front, cells: &impl Cells) -> (Factored, Mat<f64>) {
     sum.add(&parts[1].1, second.1);
     let panel = Panel::new(sum.lower, sum.upper, &mut sum.following);
     (Factored { parts: vec![first.0, second.0], panel }, sum.following)
-}
-
-/// The factors of a cell's own unknowns, and what they leave to its faces.
-fn condensed(cell: usize, front: &Front, cells: &impl Cells) -> (Factored, Mat<f64>) {
-    let Matrices { inner, inflow, outflow, faces } = cells.matrices(cell);
-    let (block, size) = (inner.nrows(), cells.face());
-    let all = outflow.nrows();
-    let mut lower = Mat::zeros(block + all, block);
-    lower.as_mut().subrows_mut(0, block).copy_from(&inner);
-    lower.as_mut().subrows_mut(block, all).copy_from(&outflow);
-    let mut following = Mat::zeros(all, all);
-    for (k, face) in faces.iter().enumerate() {
-        following.as_mut().submatrix_mut(k * size, k * size, size, size).copy_from(face);
-    }
-    debug_assert_eq!(all, front.boundary.len() * size);
-    let panel = Panel::new(lower, inflow, &mut following);
-    (Factored { parts: Vec::new(), panel }, following)
 }
 
 /// The matrix of a front, the own faces first: F₁₁ with F₂₁ below it, F₁₂ and F₂₂.

@@ -168,14 +168,15 @@ impl GridField {
 
     /// ∫ Π g_i(x_i) p dx.
     pub(super) fn integral(&self, factors: &[Along<'_>]) -> f64 {
-        let at = factors.iter().enumerate().find_map(|(axis, factor)| match factor {
-            Along::At(x) => Some((axis, *x)),
+        let at = factors.iter().enumerate().filter_map(|(axis, factor)| match factor {
+            Along::At(x) => Some(self.mesh.crossed(axis, *x)),
             _ => None,
         });
-        let cells: Vec<usize> = match at {
-            Some((axis, x)) => self.mesh.crossed(axis, x),
-            None => (0..self.mesh.cells.len()).collect(),
+        let both = |mut cells: Vec<usize>, others: Vec<usize>| {
+            cells.retain(|cell| others.contains(cell));
+            cells
         };
+        let cells = at.reduce(both).unwrap_or_else(|| (0..self.mesh.cells.len()).collect());
         let part = |cell: &usize| {
             let along = |(axis, factor): (usize, &Along<'_>)| {
                 factor.weights(&self.mesh, self.shape, &self.mesh.cells[*cell], axis)

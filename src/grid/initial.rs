@@ -102,13 +102,12 @@ impl Initial {
         let InitialLaw::Gaussian(gaussian) = &self.law else { return None };
         let root = gaussian.covariance.clone().cholesky()?.l();
         let mut sample = States::new(gaussian.mean.len());
-        let along = || (-POINTS..=POINTS).map(|k| REACH * f64::from(k) / f64::from(POINTS));
-        let second: Vec<f64> = if gaussian.mean.len() > 1 { along().collect() } else { vec![0.0] };
-        for first in along() {
-            for second in &second {
-                let z = DVector::from_fn(gaussian.mean.len(), |i, _| if i == 0 { first } else { *second });
-                sample.push((&gaussian.mean + &root * z).as_slice());
-            }
+        let along = (2 * POINTS + 1) as usize;
+        let states = gaussian.mean.len();
+        for k in 0..along.pow(states as u32) {
+            let place = |axis: usize| (k / along.pow((states - 1 - axis) as u32) % along) as f64 - f64::from(POINTS);
+            let z = DVector::from_fn(states, |axis, _| REACH * place(axis) / f64::from(POINTS));
+            sample.push((&gaussian.mean + &root * z).as_slice());
         }
         Some(sample)
     }

@@ -22,7 +22,7 @@ pub(super) struct Kept {
 impl Kept {
     /// What meshes of further questions at an accuracy are laid out for, within a domain with these sides.
     pub(super) fn ground(&self, domain: Vec<[f64; 2]>, sides: [Side; 2], accuracy: f64) -> Ground<'_> {
-        let grazed = sides.map(|side| smallest(side, accuracy));
+        let grazed = sides.map(|side| smallest(side, accuracy, self.problem.dimension()));
         Ground { problem: &self.problem, pilot: &self.pilot, domain, sides, grazed }
     }
 }

@@ -142,7 +142,7 @@ impl Line {
         let mut lines: Vec<f64> = inner.chain([low, high]).collect();
         sort_by_number(&mut lines, |place| *place);
         let mut tree = Tree::new(&[lines]);
-        for _ in 0..HALVINGS {
+        for _ in 0..HALVINGS[0] {
             tree.leaves().iter().for_each(|leaf| {
                 tree.halve(*leaf, 0);
             });

@@ -200,7 +200,7 @@ mod tests {
         let problem = Problem::from_toml("states = ['x']\ndrift.x = '-x'\nnoise.w.x = '1'")?;
         let envelope = Envelope::table([(0.0, 0.6)])?;
         let lines = (0..=32).map(|k| -6.0 + 0.375 * f64::from(k)).collect();
-        let layout = Layout::new(Mesh::new([0.0; 2], Tree::new(&[lines]), [Side::Open; 2]));
+        let layout = Layout::new(Mesh::new([0.0; 3], Tree::new(&[lines]), [Side::Open; 2]));
         let p = GridField::projected(&layout.mesh, Shape { states: 1, degree: 6 }, |x| (-(x[0] - 0.5).powi(2)).exp());
         let size = |step: f64| -> Result<f64> {
             let mut stepper = Stepper::new(&problem, &layout, 6, true, MemoryLimit::default())?;

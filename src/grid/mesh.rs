@@ -139,22 +139,31 @@ impl Mesh {
             sort_by_number(&mut all, |(speeds, _)| speeds[0]);
             all
         });
-        let (mut i, mut j) = (0, 0);
         let mut found = Vec::new();
-        while let (Some((out, hit)), Some((back, returned))) = (before.get(i), after.get(j)) {
-            let (low, high) = (out[0].max(back[0]), out[1].min(back[1]));
-            // Widths are kept where one covers the other.
-            let whole = if out[2] <= back[2] { out } else { back };
-            let width = if low == whole[0] && high == whole[1] { whole[2] } else { high - low };
-            // Lines that are the same but for rounding leave nothing between them.
-            if width > 1e-13 * high {
-                found.push(([low, width], *hit, *returned));
+        let mut first = 0;
+        for (out, hit) in &before {
+            while after.get(first).is_some_and(|(back, _)| back[1] <= out[0]) && self.dimension() == 2 {
+                first += 1;
             }
-            if out[1] <= back[1] { i += 1 } else { j += 1 }
+            for (back, returned) in after[first..].iter().take_while(|(back, _)| back[0] < out[1]) {
+                let (low, high) = (out[0].max(back[0]), out[1].min(back[1]));
+                // Widths are kept where one covers the other.
+                let whole = if out[2] <= back[2] { out } else { back };
+                let width = if low == whole[0] && high == whole[1] { whole[2] } else { high - low };
+                let [one, other] = [hit, returned].map(|cell| self.cells[*cell]);
+                // Lines that are the same but for rounding leave nothing between them.
+                if width > 1e-13 * high && (2..self.dimension()).all(|axis| one.overlaps(&other, axis)) {
+                    let mut extent = MeshCell { lower: [0.0; MOST], width: [1.0; MOST] };
+                    for axis in 2..self.dimension() {
+                        let narrower = if other.width[axis] < one.width[axis] { other } else { one };
+                        (extent.lower[axis], extent.width[axis]) = (narrower.lower[axis], narrower.width[axis]);
+                    }
+                    (extent.lower[1], extent.width[1]) = (low, width);
+                    found.push((extent, *hit, *returned));
+                }
+            }
         }
-        for ([low, width], hit, returned) in found {
-            let mut extent = MeshCell { lower: [0.0; MOST], width: [1.0; MOST] };
-            (extent.lower[1], extent.width[1]) = (low, width);
+        for (extent, hit, returned) in found {
             let (hits, returns) = (Role::Hits(sign), Role::Returns(-sign * restitution));
             self.join(0, extent, [(hit, side == 1, hits), (returned, side == 1, returns)]);
         }
@@ -167,11 +176,11 @@ impl Mesh {
         let root = self.tree.root();
         let fastest = if side == 1 { -root.lower[1] } else { root.upper(1) } / restitution;
         for &cell in before {
-            let MeshCell { lower, width } = self.cells[cell];
+            let own @ MeshCell { lower, width } = self.cells[cell];
             let high = (sign * lower[1]).max(sign * (lower[1] + width[1]));
             let low = (high - width[1]).max(fastest);
             if high - low > 1e-13 * high {
-                let mut extent = MeshCell { lower: [0.0; MOST], width: [1.0; MOST] };
+                let mut extent = own;
                 (extent.lower[1], extent.width[1]) = (low, high - low);
                 let (axis, upper) = (0, side == 1);
                 self.segments[cell].push(Segment { axis, upper, role: Role::Hits(sign), face: None, extent });
@@ -255,7 +264,7 @@ mod tests {
                 let part = tree.halve(leaf, 1);
                 tree.halve(part + 1, 0);
             }
-            let mesh = Mesh::new([0.0; 2], tree, sides.map(|wall| if wall { Side::Wall(r) } else { Side::Open }));
+            let mesh = Mesh::new([0.0; 3], tree, sides.map(|wall| if wall { Side::Wall(r) } else { Side::Open }));
             for (side, _) in sides.iter().enumerate().filter(|(_, wall)| **wall) {
                 let (fastest, most) = if side == 0 { (5.0, 4.0 / r) } else { (4.0, 5.0 / r) };
                 let sums = |hits: bool| -> f64 {

@@ -1,9 +1,10 @@
-//! High-order discontinuous Galerkin solution of the Fokker-Planck equation of one state or two.
+//! High-order discontinuous Galerkin solution of the Fokker-Planck equation of one state to three.
 //!
 //! - `legendre`, `shape`: polynomials, and their products on a cell;
 //! - `tree`, `mesh`: cells as leaves of a tree, and the faces between them;
 //! - `flux`: the operator at a point; `sides`: what passes the sides of a cell; `forms`: the matrices of a cell and its faces; `operator`: those of all cells, and K + s;
 //! - `dissection`: the order of elimination; `elimination`, `panel`: LU factors of the unknowns of cells, of faces, of a group;
+//! - `iteration`: in three states the unknowns of faces by `krylov`'s method, after `incomplete` factors in the order of `sweep`;
 //! - `pilot`, `start`: where the density is, and the first mesh; `stationary`: the null vector of K, by `pins`, with `wells` that hardly
 //!   mix; `marking`, `refinement`: what a mesh does not resolve, and from a mesh to two solutions that agree; `line`: the closed form of
 //!   one state; `solve`: from a problem to the answer;
@@ -21,8 +22,11 @@ mod evolution;
 mod field;
 mod flux;
 mod forms;
+mod incomplete;
 mod initial;
+mod iteration;
 mod kept;
+mod krylov;
 mod legendre;
 mod line;
 mod march;
@@ -42,6 +46,7 @@ mod solve;
 mod start;
 mod stationary;
 mod survival;
+mod sweep;
 mod tails;
 mod transient;
 mod tree;
@@ -61,8 +66,10 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Halvings of the domain along each state before any state of the pilot or any solution counts.
-const HALVINGS: usize = 2;
+/// Halvings of the domain along each of one state to three before any state of the pilot or any solution counts.
+const HALVINGS: [usize; shape::MOST] = [2, 2, 1];
+/// The accuracy in L¹ for one state to three, where none is given.
+const ACCURACIES: [f64; shape::MOST] = [1e-6, 1e-6, 1e-3];
 /// The smallest cell along the velocity at a wall with r < 1, in standard deviations of the velocity. The density is singular
 /// at the grazing point: the error of impact rates falls with a power of this number, 2 for r near 1, 1.5 for r = 0.7 and 1
 /// for r = 0.5, that of moments faster.
@@ -86,10 +93,10 @@ const KEPT: [f64; 3] = [0.5, 0.9, 0.999];
 const SHARE: f64 = 0.5;
 
 /// A discontinuous Galerkin method that refines its mesh until the density is as accurate as it is asked to be, for problems of one
-/// state or two.
+/// state to three.
 ///
 /// 0 = −∂_i(f_i p) + ½ ∂_i∂_j(B_ij p) is solved in hybridised form, with upwind advection and an interior penalty for diffusion, on
-/// cells that are halved along either state where the solution is not resolved.
+/// cells that are halved along any state where the solution is not resolved.
 ///
 /// ```
 /// use expoly::{Density, Grid, models::{Duffing, Solved}};
@@ -103,10 +110,10 @@ const SHARE: f64 = 0.5;
 /// # References
 /// B. Cockburn, J. Gopalakrishnan and R. Lazarov, Unified hybridization of discontinuous Galerkin, mixed, and continuous Galerkin
 /// methods for second order elliptic problems, SIAM Journal on Numerical Analysis 47 (2009) 1319-1365, doi:10.1137/070706616.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 #[must_use = "options return the value with the option; nothing happens before it is used"]
 pub struct Grid {
-    accuracy: f64,
+    accuracy: Option<f64>,
     degree: Option<usize>,
     domain: Option<Vec<[f64; 2]>>,
     memory: MemoryLimit,
@@ -130,12 +137,6 @@ pub struct GridProgress {
     pub time: Option<f64>,
 }
 
-impl Default for Grid {
-    fn default() -> Self {
-        Grid { accuracy: 1e-6, degree: None, domain: None, memory: MemoryLimit::default(), progress: None }
-    }
-}
-
 impl std::fmt::Debug for Grid {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Grid { accuracy, degree, domain, memory, .. } = self;
@@ -150,14 +151,19 @@ impl Grid {
         Self::default()
     }
 
-    /// The L¹ distance ∫ |p − p̃| dx that the density should have from the exact one at most: 1e-6 by default, from 1e-11 to 0.1. The
-    /// mesh is refined until the estimate is below.
+    /// The L¹ distance ∫ |p − p̃| dx that the density should have from the exact one at most, from 1e-11 to 0.1: by default 1e-6, in three
+    /// states 1e-3. The mesh is refined until the estimate is below.
     pub fn accuracy(self, l1: f64) -> Self {
-        Grid { accuracy: l1, ..self }
+        Grid { accuracy: Some(l1), ..self }
+    }
+
+    /// The accuracy for so many states.
+    fn target(&self, states: usize) -> f64 {
+        self.accuracy.unwrap_or(ACCURACIES[states - 1])
     }
 
     /// The polynomials' degree in each state, from 2 to 24. By default 6 for accuracies down to 3e-6 and next to walls with r < 1, 8
-    /// below. The closed form of one state takes 6 at least, and 10 by default.
+    /// below; in three states 4 for 1e-2, 5 for 1e-3 and 6 below. The closed form of one state takes 6 at least, and 10 by default.
     pub fn degree(self, degree: usize) -> Self {
         Grid { degree: Some(degree), ..self }
     }
@@ -169,7 +175,7 @@ impl Grid {
     }
 
     /// The memory that matrices and factors may take, 8 GiB by default, estimated before they are allocated: a thousand cells of degree 8 take a
-    /// quarter of a gibibyte. All solutions on the way to the last mesh take eight times the limit at most; where it ends before the accuracy is
+    /// quarter of a gibibyte, in three states a thousand of degree 5 two. All solutions on the way to the last mesh take eight times the limit at most; where it ends before the accuracy is
     /// reached, the density has what was reached as its estimate, and a warning.
     pub fn memory_limit(self, gibibytes: f64) -> Self {
         Grid { memory: MemoryLimit::gibibytes(gibibytes), ..self }
@@ -185,15 +191,15 @@ impl Grid {
         Grid { progress: Some(Arc::new(callback)), ..self }
     }
 
-    /// The stationary density of a problem of one state or two: on the whole line or plane, or where the walls of a displacement
-    /// leave it, below, above or on both sides, each with its own restitution.
+    /// The stationary density of a problem of one state to three: on the whole space, or where the walls of a displacement leave it,
+    /// below, above or on both sides, each with its own restitution.
     ///
     /// A run that does not reach the accuracy returns what it has, with its estimate and a warning. Where the noise of one state
     /// vanishes within the range, each side has a density of its own: returned is that where most trajectories are, with a
     /// warning if some are on the other.
     ///
     /// # Errors
-    /// - [`Error::NotServed`]: a problem of another number of states, a wall on state 1, or impulses;
+    /// - [`Error::NotServed`]: a problem of another number of states, a wall on another state than the first, or impulses;
     /// - [`Error::OutOfRange`]: an option without a meaning;
     /// - [`Error::Exploded`], [`Error::NoDensity`]: the drift does not bring trajectories back, they come to rest, or no noise reaches a state;
     /// - [`Error::TooStiff`]: rates that are too far apart;
@@ -224,16 +230,17 @@ impl Grid {
     /// The walls of a problem that is served.
     fn served(&self, problem: &Problem) -> Result<[Option<Wall>; 2]> {
         if !(1..=shape::MOST).contains(&problem.dimension()) {
-            let (what, remedy) = ("a problem of more than two states", "take the closure or the simulation");
+            let (what, remedy) = ("a problem of more than three states", "take the closure or the simulation");
             return Err(Error::NotServed { method: "grid", what, remedy });
         }
         problem.require_no_impulses("grid")?;
         if problem.ends().iter().any(|end| end.state() != 0) {
-            let (what, remedy) = ("a reflecting end on the second state", "let that state be the first one");
+            let (what, remedy) =
+                ("a reflecting end on another state than the first", "let that state be the first one");
             return Err(Error::NotServed { method: "grid", what, remedy });
         }
         problem.require_no_rest()?;
-        problem.walls_of_plane("grid")
+        problem.walls_of_oscillator("grid")
     }
 
     /// Refuses options without a meaning.
@@ -241,7 +248,7 @@ impl Grid {
         self.memory.check()?;
         let degree = self.degree.unwrap_or(2);
         require((2..=24).contains(&degree), "degree of the grid", degree as f64, "it must lie between 2 and 24")?;
-        require_accuracy("accuracy of the grid", self.accuracy)?;
+        require_accuracy("accuracy of the grid", self.target(problem.dimension()))?;
         if let Some(domain) = &self.domain {
             crate::checks::dimension("the domain of the grid", domain.len(), problem.dimension())?;
         }

@@ -176,16 +176,14 @@ impl Residual {
             // Where next to a point all cancels, what is left is rounding.
             if value.abs() < ROUNDING * size { 0.0 } else { value.abs() }
         };
-        let mut sum = 0.0;
-        for (first, weight) in self.rule.iter() {
-            if states == 1 {
-                sum += weight * of(&DVector::from_element(1, first));
-                continue;
-            }
-            for (second, other) in self.rule.iter() {
-                sum += weight * other * of(&DVector::from_vec(vec![first, second]));
-            }
-        }
+        let nodes: Vec<(f64, f64)> = self.rule.iter().collect();
+        let count = nodes.len();
+        let at = |k: usize, axis: usize| nodes[k / count.pow((states - 1 - axis) as u32) % count];
+        let node = |k: usize| {
+            let weight: f64 = (0..states).map(|axis| at(k, axis).1).product();
+            weight * of(&DVector::from_fn(states, |axis, _| at(k, axis).0))
+        };
+        let sum: f64 = (0..count.pow(states as u32)).map(node).sum();
         Some(sum + 2.0 * self.impulses)
     }
 }

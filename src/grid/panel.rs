@@ -25,6 +25,11 @@ pub(super) struct Panel {
 }
 
 impl Panel {
+    /// Of no unknowns, before so many that follow.
+    pub(super) fn empty(following: usize) -> Self {
+        Panel { rows: Vec::new(), lower: Mat::zeros(following, 0), upper: Mat::zeros(0, following) }
+    }
+
     /// Of F₁₁ with F₂₁ below it and of F₁₂. F₂₂ becomes F₂₂ − F₂₁F₁₁⁻¹F₁₂.
     pub(super) fn new(mut lower: Mat<f64>, mut upper: Mat<f64>, following: &mut Mat<f64>) -> Self {
         let size = upper.nrows();

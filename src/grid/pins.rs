@@ -7,6 +7,7 @@
 use super::field::GridField;
 use super::operator::{Factors, GridSolution, Operator, Regular};
 use crate::error::Result;
+use crate::parallel;
 
 /// A pin, and the density that comes from it.
 #[derive(Clone, Debug)]
@@ -44,6 +45,8 @@ impl Pin {
 pub(super) struct Pinned {
     pub(super) factors: Factors,
     pub(super) pins: Vec<Pin>,
+    /// What comes of a unit of probability per unit time that comes in everywhere alike and goes out at the pins.
+    even: GridSolution,
 }
 
 impl Pinned {
@@ -54,16 +57,24 @@ impl Pinned {
         };
         let at: Vec<(usize, f64)> = cells.iter().map(|cell| (*cell, scale(*cell))).collect();
         let factors = operator.factors(Regular::Pins(&at));
-        let pin = |&(cell, alpha): &(usize, f64)| {
-            let mut right = vec![0.0; operator.unknowns()];
-            right[cell * operator.shape.block()] = alpha;
-            let mut from = factors.solve(&right, None)?;
-            let (root, mass) = (operator.layout.mesh.cells[cell].root_volume(), from.field.mass());
+        let (mesh, block) = (&operator.layout.mesh, operator.shape.block());
+        let volume = mesh.volume();
+        let mut sources = vec![vec![0.0; operator.unknowns()]; cells.len() + 1];
+        for (source, (cell, alpha)) in sources.iter_mut().zip(&at) {
+            source[cell * block] = *alpha;
+        }
+        let everywhere = &mut sources[cells.len()];
+        mesh.cells.iter().enumerate().for_each(|(cell, own)| everywhere[cell * block] = own.root_volume() / volume);
+        let mut solutions: Vec<GridSolution> =
+            parallel::map_into(sources, |_, right| factors.solve(&right, None)).into_iter().collect::<Result<_>>()?;
+        let even = solutions.pop().unwrap_or_else(|| GridSolution::zero(operator));
+        let pin = |(&(cell, alpha), mut from): (&(usize, f64), GridSolution)| {
+            let (root, mass) = (mesh.cells[cell].root_volume(), from.field.mass());
             from.scale(mass.recip());
-            Ok(Pin { cell, source: root.recip(), through: alpha * root, from, rate: alpha * root / mass })
+            Pin { cell, source: root.recip(), through: alpha * root, from, rate: alpha * root / mass }
         };
-        let pins = at.iter().map(pin).collect::<Result<_>>()?;
-        Ok(Pinned { factors, pins })
+        let pins = at.iter().zip(solutions).map(pin).collect();
+        Ok(Pinned { factors, pins, even })
     }
 
     /// The largest rate at which probability passes through a pin, if all of a well's were there.
@@ -73,16 +84,12 @@ impl Pinned {
 
     /// What comes of a unit of probability per unit time that comes in everywhere alike and goes out at the pins, without what is
     /// there at the pins.
-    pub(super) fn elsewhere(&self, operator: &Operator) -> Result<GridSolution> {
-        let (mesh, block) = (&operator.layout.mesh, operator.shape.block());
-        let mut right = vec![0.0; operator.unknowns()];
-        let volume = mesh.volume();
-        mesh.cells.iter().enumerate().for_each(|(cell, own)| right[cell * block] = own.root_volume() / volume);
-        let mut solution = self.factors.solve(&right, None)?;
+    pub(super) fn elsewhere(&self) -> GridSolution {
+        let mut solution = self.even.clone();
         let passing: Vec<f64> = self.pins.iter().map(|pin| pin.passing(&solution.field)).collect();
         for (pin, passing) in self.pins.iter().zip(passing) {
             solution.add(-passing / pin.rate, &pin.from);
         }
-        Ok(solution)
+        solution
     }
 }

@@ -8,7 +8,7 @@ use super::mesh::{Mesh, Role};
 use super::shape::transformed;
 use crate::checks::{coordinate, dimension, finite, point};
 use crate::density::{Crossing, Density};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::estimate::Estimate;
 use crate::problem::PlaneMotion;
 use crate::sensitivity::Sensitivity;
@@ -212,6 +212,13 @@ impl GridDensity {
         let Kept { problem, walls, grid, pilot, .. } = &*self.kept;
         let motion = |name: &&str| Ok(problem.motion(name)?.on_plane(problem));
         let motions: Vec<PlaneMotion> = parameters.iter().map(motion).collect::<Result<_>>()?;
+        if problem.dimension() > 2 && motions.iter().any(|motion| motion.moves() || motion.restitution != [0.0; 2]) {
+            let (what, remedy) = (
+                "derivatives by walls in three states",
+                "take differences of two densities, at `Problem::with_parameter`",
+            );
+            return Err(Error::NotServed { method: "grid", what, remedy });
+        }
         let lossy = walls.map(|wall| wall.is_some_and(|wall| wall.restitution() < 1.0));
         let grazed = [0, 1].map(|side| lossy[side] || motions.iter().any(|motion| motion.restitution[side] != 0.0));
         if grazed != lossy && !self.graded {

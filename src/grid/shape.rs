@@ -4,7 +4,7 @@ use super::legendre::LegendreTable;
 use crate::numerics::Rule;
 
 /// The most states of a mesh. With fewer, the axes beyond them have one function, one cell and no faces.
-pub(super) const MOST: usize = 2;
+pub(super) const MOST: usize = 3;
 
 /// A number for each axis.
 pub(super) type Place = [f64; MOST];
@@ -90,6 +90,15 @@ pub(super) fn transformed(v: &[f64], sizes: &mut [usize; MOST], axis: usize, row
 pub(super) fn contracted(v: &[f64], factors: &[&[f64]]) -> f64 {
     match factors {
         [] => v[0],
+        // The first axis of several at once, all numbers along the others together.
+        [first, _, _] => {
+            let inner = v.len() / first.len();
+            let mut sum = vec![0.0; inner];
+            for (f, values) in first.iter().zip(v.chunks_exact(inner)) {
+                sum.iter_mut().zip(values).for_each(|(s, v)| *s += f * v);
+            }
+            contracted(&sum, &factors[1..])
+        }
         [first, rest @ ..] => {
             let inner = v.len() / first.len();
             first.iter().zip(v.chunks_exact(inner)).map(|(f, v)| f * contracted(v, rest)).sum()
@@ -105,18 +114,24 @@ mod tests {
     fn functions_are_numbered_by_their_degrees() {
         let plane = Shape { states: 2, degree: 3 };
         assert_eq!((plane.block(), plane.face(), plane.stride(0), plane.stride(1)), (16, 4, 4, 1));
-        assert_eq!((plane.degrees(7), plane.along(0), plane.along(1)), ([1, 3], vec![0, 1, 2, 3], vec![0, 4, 8, 12]));
+        assert_eq!(
+            (plane.degrees(7), plane.along(0), plane.along(1)),
+            ([1, 3, 0], vec![0, 1, 2, 3], vec![0, 4, 8, 12])
+        );
+        let space = Shape { states: 3, degree: 2 };
+        assert_eq!((space.block(), space.face(), space.degrees(14)), (27, 9, [1, 1, 2]));
+        assert_eq!(space.along(1), [0, 1, 2, 9, 10, 11, 18, 19, 20]);
         let line = Shape { states: 1, degree: 3 };
-        assert_eq!((line.block(), line.face(), line.degrees(2), line.along(0)), (4, 1, [2, 0], vec![0]));
+        assert_eq!((line.block(), line.face(), line.degrees(2), line.along(0)), (4, 1, [2, 0, 0], vec![0]));
     }
 
     #[test]
     fn transforms_and_contractions_are_sums() {
         let v: Vec<f64> = (0..6).map(f64::from).collect();
-        let mut sizes = [2, 3];
+        let mut sizes = [2, 3, 1];
         let rows = vec![vec![1.0, 1.0, 1.0], vec![0.0, 0.0, 2.0]];
         let out = transformed(&v, &mut sizes, 1, &rows);
-        assert_eq!((out.as_slice(), sizes), (&[3.0, 4.0, 12.0, 10.0][..], [2, 2]));
+        assert_eq!((out.as_slice(), sizes), (&[3.0, 4.0, 12.0, 10.0][..], [2, 2, 1]));
         assert_eq!(transformed(&out, &mut sizes, 0, &[vec![1.0, -1.0]]), [-9.0, -6.0]);
         assert_eq!(contracted(&v, &[&[1.0, -1.0], &[1.0, 1.0, 1.0]]), -9.0);
     }

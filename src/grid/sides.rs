@@ -158,7 +158,7 @@ impl SegmentFunctions {
         };
         for other in shape.others(segment.axis) {
             let factor = match segment.role {
-                Role::Hits(factor) | Role::Returns(factor) => factor,
+                Role::Hits(factor) | Role::Returns(factor) if other == 1 => factor,
                 _ => 1.0,
             };
             let places = || table.nodes.iter().map(|t| extent.at(other, *t));
@@ -174,12 +174,13 @@ impl SegmentFunctions {
             let step = |node: &SegmentNode, s: f64, weight: f64| {
                 let mut place = node.place;
                 place[other] = factor * s;
-                SegmentNode { place, speed: s, weight: node.weight * weight * extent.width[other] }
+                let speed = if other == 1 { s } else { node.speed };
+                SegmentNode { place, speed, weight: node.weight * weight * extent.width[other] }
             };
             let nodes = &along.nodes;
             let more = nodes.iter().flat_map(|node| places().zip(&table.weights).map(move |(s, w)| step(node, s, *w)));
             along.nodes = more.collect();
-            for axis in 0..MOST {
+            for axis in 0..shape.states {
                 let factor = if axis == other { &slopes } else { &values };
                 along.slopes[axis] = times(&along.slopes[axis], factor);
             }

@@ -1,13 +1,14 @@
-//! From a problem to its density: the domain, which is doubled where its edges lose what matters, the mesh, and the errors.
+//! From a problem to its density: the domain, which is widened where its edges lose what matters, the mesh, and the errors.
 
 use super::density::GridDensity;
 use super::field::{self, difference};
+use super::iteration::THIN;
 use super::kept::Kept;
 use super::line::Line;
 use super::mesh::Side;
 use super::operator::Layout;
 use super::pilot::GridPilot;
-use super::refinement::{Pair, resolve};
+use super::refinement::{Exhausted, Pair, resolve};
 use super::start::Ground;
 use super::stationary::Stationary;
 use super::wells::Question;
@@ -20,15 +21,18 @@ use crate::provenance::Provenance;
 use crate::walls::{COLLAPSE, Wall};
 use std::sync::Arc;
 
-/// How often a domain that loses too much at its edges is doubled.
-const DOUBLINGS: usize = 2;
-/// The share of the accuracy, in L¹, that what is lost at the edges of a domain may change before the domain is doubled.
+/// How often a domain that loses too much at its edges is made wider.
+const WIDENINGS: usize = 2;
+/// The share of the accuracy, in L¹, that what is lost at the edges of a domain may change before the domain is widened.
 const SHARE: f64 = 0.2;
 /// The degree of the polynomials, at any accuracy where there is a level or a wall with r < 1, next to which the density is not
 /// smooth.
 const ORDINARY_DEGREE: usize = 6;
 /// Accuracies in L¹ with the degree of the polynomials for finer ones; the first pair that fits decides.
 const FINER_DEGREES: [(f64, usize); 2] = [(3e-8, 10), (3e-6, 8)];
+/// The same in three states, where the work grows with the sixth power of the degree.
+const OF_SPACE: [(f64, usize); 2] = [(5e-4, 6), (5e-3, 5)];
+const COARSEST: usize = 4;
 /// The degree of the polynomials for the closed form of one state, where none is given.
 const DEGREE: usize = 10;
 /// The lowest degree of the polynomials for the closed form of one state: with a lower one what is left in the highest degree
@@ -60,18 +64,19 @@ impl Grid {
             (None, None) => Side::Open,
         };
         let sides = [0, 1].map(side);
-        let own = sides.map(|side| start::smallest(side, self.accuracy));
+        let target = self.target(problem.dimension());
+        let own = sides.map(|side| start::smallest(side, target, problem.dimension()));
         let grazed = [0, 1].map(|side| own[side].or(other[side].then_some(GRAZING)));
-        let degree = self.degree_for(self.accuracy, grazed != [None; 2]);
-        let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
+        let degree = self.degree_for(problem.dimension(), target, grazed != [None; 2]);
+        let question = Question { problem, states: &pilot.states, memory: self.memory, target };
         let rounds = std::cell::Cell::new(0);
         let mut report = |mut progress: GridProgress| {
             progress.rounds += rounds.get();
             self.report(|| progress)
         };
-        let mut doubled = 0;
+        let mut widened = 0;
         loop {
-            let mut domain = self.domain.clone().unwrap_or_else(|| start::domain(problem, &pilot, doubled));
+            let mut domain = self.domain.clone().unwrap_or_else(|| start::domain(problem, &pilot, widened));
             let limits = [0, 1].map(|side| walls[side].map(|wall| wall.offset()).or(ends[side]));
             (0..2).for_each(|side| domain[0][side] = limits[side].unwrap_or(domain[0][side]));
             for [low, high] in &domain {
@@ -82,14 +87,16 @@ impl Grid {
                 )?;
             }
             let ground = Ground { problem, pilot: &pilot, domain, sides, grazed };
-            let pair = resolve(question, ground.mesh(), (degree, self.accuracy), pilot.peak(), &mut report)?;
-            let cut = pair.fine.leak.at_edges() && pair.fine.returned().size() > SHARE * self.accuracy;
-            let fixed = self.domain.is_some() || doubled == DOUBLINGS;
+            // In three states a wider domain takes far more cells, so that its edges may lose their share.
+            let aim = if problem.dimension() > 2 { (1.0 - SHARE) * target } else { target };
+            let pair = resolve(question, ground.mesh(), (degree, aim), pilot.peak(), &mut report)?;
+            let cut = pair.fine.leak.at_edges() && pair.fine.returned().size() > SHARE * target;
+            let fixed = self.domain.is_some() || widened == WIDENINGS;
             rounds.set(rounds.get() + pair.rounds);
-            if !cut || fixed || pair.exhausted {
+            if !cut || fixed || pair.exhausted.is_some() {
                 return self.density(problem, walls, pilot.clone(), pair, (rounds.get(), cut));
             }
-            doubled += 1;
+            widened += 1;
         }
     }
 
@@ -101,7 +108,7 @@ impl Grid {
         let on = |inside: f64| Line::new(problem, inside, pilot.deviation(0));
         let [low, high] = pilot.reach()[0];
         let line = on(peak[0]).or_else(|error| on(low).or_else(|_| on(high)).map_err(|_| error))?;
-        let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.accuracy };
+        let question = Question { problem, states: &pilot.states, memory: self.memory, target: self.target(1) };
         let exact = line.resolved(degree);
         let layout = Layout::new(exact.mesh.as_ref().clone());
         let solved = |degree: usize, field: field::GridField| -> Result<Stationary> {
@@ -113,7 +120,7 @@ impl Grid {
         let fine = solved(degree, exact.clone())?;
         let coarse = solved(degree - 1, exact.with_shape(shape::Shape { states: 1, degree: degree - 1 }))?;
         let difference = difference(&fine.density.field, &coarse.density.field);
-        let pair = Pair { fine, coarse, difference, rounds: 2, exhausted: false };
+        let pair = Pair { fine, coarse, difference, rounds: 2, exhausted: None };
         let parted = line.parted(&pilot.states);
         let mut density = self.density(problem, [None; 2], pilot, pair, (2, false))?;
         density.provenance.warning = parted.or(density.provenance.warning);
@@ -188,24 +195,32 @@ impl Grid {
         &self,
         fine: &Stationary,
         l1_estimate: f64,
-        (cut, exhausted, changed): (Option<f64>, bool, f64),
+        (cut, exhausted, changed): (Option<f64>, Option<Exhausted>, f64),
     ) -> Option<String> {
+        let in_space = fine.density.field.shape.states > 2;
         if !fine.wells.determined {
             Some(format!(
                 "the shares of {} wells are not determined by the equation, since they exchange less than rounding: they are those of trajectories",
                 fine.places().len()
             ))
-        } else if let Some(edge_level) = cut {
+        } else if let Some(edge_level) = cut.filter(|_| exhausted.is_none() || !in_space) {
             Some(format!(
                 "the domain loses {:.1e} per unit time at its edges, where the density is {edge_level:.1e} of its peak: its tails are heavy",
                 fine.leak.lost
             ))
-        } else if exhausted {
+        } else if let Some(what) = exhausted {
+            let why = match what {
+                Exhausted::Memory if in_space => {
+                    "the density is too thin for the memory; raise `memory_limit`, or take the closure or the simulation"
+                }
+                Exhausted::Memory => "the density is too narrow for the memory; raise `memory_limit`",
+                Exhausted::Steps => THIN,
+            };
+            let cells = fine.density.field.mesh.cells.len();
             Some(format!(
-                "the mesh has {} cells and an estimate of {l1_estimate:.1e}, above the accuracy asked for: the density is too narrow for the memory; raise `memory_limit`",
-                fine.density.field.mesh.cells.len()
+                "the mesh has {cells} cells and an estimate of {l1_estimate:.1e}, above the accuracy asked for: {why}"
             ))
-        } else if l1_estimate > self.accuracy {
+        } else if l1_estimate > self.target(fine.density.field.shape.states) {
             Some(format!(
                 "the estimate is {l1_estimate:.1e}, above the accuracy asked for: rounding, leaks and the shares of wells that exchange little leave {changed:.1e} open, which no finer mesh lowers"
             ))
@@ -225,7 +240,11 @@ impl Grid {
         if stop { Err(Error::Cancelled { done: progress.rounds as u64, unit: "linear systems" }) } else { Ok(()) }
     }
 
-    pub(super) fn degree_for(&self, accuracy: f64, grazed: bool) -> usize {
+    pub(super) fn degree_for(&self, states: usize, accuracy: f64, grazed: bool) -> usize {
+        if states > 2 {
+            let of_space = OF_SPACE.iter().find(|(limit, _)| accuracy < *limit);
+            return self.degree.unwrap_or(of_space.map_or(COARSEST, |(_, degree)| *degree));
+        }
         let finer = FINER_DEGREES.iter().find(|(limit, _)| accuracy < *limit && !grazed);
         self.degree.unwrap_or(finer.map_or(ORDINARY_DEGREE, |(_, degree)| *degree))
     }

@@ -10,12 +10,15 @@ use crate::numerics::sort_by_number;
 use crate::problem::Problem;
 use crate::states::States;
 
-/// The sides of the domain over the distances of the pilot's outermost states from their mean. A Gaussian has fallen to 1e-60
-/// there; from 2 to 8 the number of cells changes by a fifth, since far cells are wide.
-const WIDENING: f64 = 4.0;
+/// The sides of the domain of one state to three over the distances of the pilot's outermost states from their mean. With 4 a
+/// Gaussian has fallen to 1e-60 there; from 2 to 8 the number of cells changes by a fifth, since far cells are wide. In three states
+/// it has three times as many cells with 4 as with 1.25.
+const WIDENING: [f64; MOST] = [4.0, 4.0, 1.5];
+/// The factor by which a domain that loses too much at its edges is wider.
+const WIDER: [f64; MOST] = [2.0, 2.0, 1.5];
 /// A cell is divided if it is wider than so many standard deviations of the states in it. A cell that they fill evenly is √12
-/// = 3.46 wide; with 4 smooth densities take three times the cells, with 12 one solution more.
-const WIDE: f64 = 6.0;
+/// = 3.46 wide; with 4 smooth densities of two states take three times the cells, with 12 one solution more.
+const WIDE: [f64; MOST] = [6.0, 6.0, 12.0];
 /// The fewest sampled states in a cell of the first mesh for which it is divided.
 const FEW: usize = 20;
 /// The smallest cell along the velocity at a level, in standard deviations of the velocity, over the root of the accuracy:
@@ -51,18 +54,21 @@ pub(super) struct Ground<'a> {
 }
 
 /// The smallest cell along the velocity at a side, in its deviations; none where trajectories graze nothing.
-pub(super) fn smallest(side: Side, accuracy: f64) -> Option<f64> {
+///
+/// In three states they are the largest that a level has in any case: a line of grazing points has too many small ones.
+pub(super) fn smallest(side: Side, accuracy: f64, states: usize) -> Option<f64> {
+    let coarse = if states > 2 { LEVELS[1] } else { (LEVEL * accuracy.sqrt()).clamp(LEVELS[0], LEVELS[1]) };
     match side {
         Side::Open | Side::Closed => None,
-        Side::Level => Some((LEVEL * accuracy.sqrt()).clamp(LEVELS[0], LEVELS[1])),
-        Side::Wall(restitution) => (restitution < 1.0).then_some(GRAZING),
+        Side::Level => Some(coarse),
+        Side::Wall(restitution) => (restitution < 1.0).then_some(if states > 2 { coarse } else { GRAZING }),
     }
 }
 
-/// The box of several times the reach of the pilot's states, `doubled` several times.
-pub(super) fn domain(problem: &Problem, pilot: &GridPilot, doubled: usize) -> Vec<[f64; 2]> {
+/// The box of several times the reach of the pilot's states, `widened` several times.
+pub(super) fn domain(problem: &Problem, pilot: &GridPilot, widened: usize) -> Vec<[f64; 2]> {
     let (reach, middle, states) = (pilot.reach(), pilot.middle(), problem.dimension());
-    let widening = WIDENING * f64::from(1 << doubled.min(20));
+    let widening = WIDENING[states - 1] * WIDER[states - 1].powi(widened as i32);
     let mut all: Vec<[f64; 2]> =
         (0..states).map(|axis| reach[axis].map(|edge| middle[axis] + widening * (edge - middle[axis]))).collect();
     if !problem.operator().is_polynomial() {
@@ -117,7 +123,7 @@ impl Ground<'_> {
         });
         let mut tree = Tree::new(&lines.collect::<Vec<_>>());
         for axis in 0..states {
-            for _ in 0..HALVINGS {
+            for _ in 0..HALVINGS[states - 1] {
                 tree.leaves().iter().for_each(|leaf| {
                     tree.halve(*leaf, axis);
                 });
@@ -158,7 +164,7 @@ impl Ground<'_> {
                 (points.iter().map(|u| (u[axis] - mean).powi(2)).sum::<f64>() / count).sqrt()
             };
             let narrow = |axis: usize| NARROWEST * root.width[axis];
-            let wide = |axis: &usize| cell.width[*axis] > (WIDE * deviation(*axis)).max(narrow(*axis));
+            let wide = |axis: &usize| cell.width[*axis] > (WIDE[states - 1] * deviation(*axis)).max(narrow(*axis));
             let axes: Vec<usize> = (0..states).filter(wide).collect();
             if axes.is_empty() {
                 continue;
@@ -184,7 +190,9 @@ impl Ground<'_> {
     fn grade(&self, tree: &mut Tree, (side, smallest): (usize, f64), origin: f64) {
         let root = tree.root();
         let place = [root.lower[0], root.upper(0)][side];
-        let strength = self.problem.operator().diffusion()[1][1].evaluate(&[origin + place, 0.0]) / 2.0;
+        let mut rest = self.pilot.middle()[..tree.states].to_vec();
+        (rest[0], rest[1]) = (origin + place, 0.0);
+        let strength = self.problem.operator().diffusion()[1][1].evaluate(&rest) / 2.0;
         let deviation = self.pilot.deviation(1);
         let layer = |s: f64| LAYER * s.powi(3) / (9.0 * strength.max(f64::MIN_POSITIVE));
         let narrowest = |axis: usize| NARROWEST * root.width[axis];

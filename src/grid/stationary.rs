@@ -9,7 +9,7 @@ use super::operator::{Factors, GridSolution, Layout, Operator};
 use super::pins::{Pin, Pinned};
 use super::wells::{Question, Wells};
 use crate::error::Result;
-use crate::grid::{HIDDEN, ROUNDING, singular};
+use crate::grid::{HIDDEN, singular};
 use crate::states::States;
 
 /// The share of the accuracy, in L¹, that rounding may change before a further pin is set, for a well of its own.
@@ -70,9 +70,9 @@ pub(super) fn solve(question: Question<'_>, layout: &Layout, degree: usize, plac
     }
     loop {
         let pinned = Pinned::new(&operator, &cells)?;
-        let elsewhere = pinned.elsewhere(&operator)?;
+        let elsewhere = pinned.elsewhere();
         let next = elsewhere.field.farthest();
-        let rounding = ROUNDING * pinned.rate();
+        let rounding = pinned.factors.rounding() * pinned.rate();
         let together = rounding * elsewhere.field.size() <= (SHARE * question.target).max(APART);
         if together || cells.contains(&next) || cells.len() == MOST {
             return Stationary::new(question, operator, pinned, elsewhere);
@@ -85,10 +85,10 @@ impl Stationary {
     fn new(
         question: Question<'_>,
         operator: Operator,
-        Pinned { factors, pins }: Pinned,
+        Pinned { factors, pins, .. }: Pinned,
         mut elsewhere: GridSolution,
     ) -> Result<Self> {
-        let wells = Wells::new(pins, question);
+        let wells = Wells::new(pins, question, factors.rounding());
         let density = wells.density(&operator);
         let p = &density.field;
         if !p.coefficients.iter().all(|p| p.is_finite()) {
@@ -97,7 +97,7 @@ impl Stationary {
         let fed = |(pin, share): (&Pin, &f64)| pin.rate * share - pin.passing(p);
         let fed: Vec<f64> = wells.pins.iter().zip(&wells.shares).map(fed).collect();
         let passing: f64 = wells.pins.iter().map(|pin| pin.passing(p).abs()).sum();
-        let leak = Leak { lost: fed.iter().sum(), rounding: ROUNDING * passing };
+        let leak = Leak { lost: fed.iter().sum(), rounding: factors.rounding() * passing };
         let [mut balance, at_faces] = operator.balance(&p.coefficients, &density.faces);
         wells.pins.iter().zip(&fed).for_each(|(pin, fed)| pin.feed(&mut balance, -fed));
         let largest = |x: &[f64]| x.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
@@ -107,6 +107,11 @@ impl Stationary {
         elsewhere.add(-between, &density);
         let open = wells.open();
         Ok(Stationary { operator, factors, wells, density, elsewhere, leak, residual, open })
+    }
+
+    /// Whether an iteration takes too many steps for finer meshes to be of use.
+    pub(super) fn is_slow(&self) -> bool {
+        self.factors.are_slow()
     }
 
     /// What could change if the lost probability came back elsewhere.

@@ -62,7 +62,7 @@ impl GridDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn survival(&self, within: [f64; 2]) -> Result<Survival> {
-        if self.fine.shape.states == 2 && self.kept.problem.velocity_of(0) != Some(1) {
+        if self.fine.shape.states > 1 && self.kept.problem.velocity_of(0) != Some(1) {
             return Err(Error::NotADisplacement { state: 0 });
         }
         let [low, high] = within;
@@ -90,7 +90,8 @@ fn resolved(
     start: impl Fn(&Arc<Mesh>, Shape) -> Result<GridField>,
 ) -> Result<[Operator; 2]> {
     let Kept { problem, grid, .. } = kept;
-    let degree = grid.degree_for(grid.accuracy, true);
+    let accuracy = grid.target(problem.dimension());
+    let degree = grid.degree_for(problem.dimension(), accuracy, true);
     let shift = 1.0 / TimeScales::of(problem)?.memory();
     for rounds in 0..ROUNDS {
         let cells = layout.mesh.cells.len();
@@ -99,7 +100,7 @@ fn resolved(
         let start = start(&layout.mesh, operator.shape)?;
         let spent = operator.factors(Regular::Shift(shift)).solve(&start.coefficients, None)?.field;
         // Per unit of what starts.
-        match finer(&spent.times(shift), grid.accuracy, grid.memory) {
+        match finer(&spent.times(shift), accuracy, grid.memory) {
             Finer::Layout(finer) => layout = finer,
             _ => return Ok([operator, Operator::new(problem, &layout, degree - 1, Part::Whole, grid.memory)?]),
         }
@@ -146,11 +147,12 @@ impl Survival {
     /// As [`GridDensity::transient`]; [`Error::NotResolved`] if nothing leaves through the levels.
     pub fn mean_time(&self, start: &Start) -> Result<Estimate> {
         let kept = &self.stationary.kept;
+        let target = kept.grid.target(kept.problem.dimension());
         let ground = kept.ground(self.domain.clone(), self.sides, FINEST);
-        let initial = Initial::new(start, &ground, None, (f64::INFINITY, kept.grid.accuracy))?;
+        let initial = Initial::new(start, &ground, None, (f64::INFINITY, target))?;
         let stationary = [&self.stationary.fine, &self.stationary.coarse];
         let [shape, _] = self.shapes();
-        let (layout, ..) = initial.held(&ground, stationary[0], (shape, kept.grid.memory), kept.grid.accuracy)?;
+        let (layout, ..) = initial.held(&ground, stationary[0], (shape, kept.grid.memory), target)?;
         let operators = resolved(kept, layout, |mesh, shape| initial.field(stationary[0], mesh, shape))?;
         let spent = |number: usize| -> Result<f64> {
             let operator: &Operator = &operators[number];

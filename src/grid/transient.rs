@@ -93,7 +93,7 @@ impl GridDensity {
         let [first, last] = [times.first(), times.last()].map(|time| time.copied().unwrap_or(0.0));
         let initial = Initial::new(start, &ground, envelope, (first, accuracy))?;
         check_times(times, initial.time, "a point has no density at once: take a later time")?;
-        let degree = self.kept.grid.degree_for(accuracy, ground.grazed != [None; 2]);
+        let degree = self.kept.grid.degree_for(self.fine.shape.states, accuracy, ground.grazed != [None; 2]);
         let plan = EvolutionPlan::new(envelope, accuracy, degree, &self.kept.grid);
         let plan = EvolutionPlan { most_spent, ..plan };
         let mut evolution = Evolution::new(plan, &ground, &initial, [&self.fine, &self.coarse], last)?;

@@ -69,7 +69,7 @@ impl MeshCell {
     }
 
     /// Whether two cells that touch have more than a boundary in common along `axis`: then one covers the other.
-    fn overlaps(&self, other: &Self, axis: usize) -> bool {
+    pub(super) fn overlaps(&self, other: &Self, axis: usize) -> bool {
         let common = self.upper(axis).min(other.upper(axis)) - self.lower[axis].max(other.lower[axis]);
         common > 0.5 * self.width[axis].min(other.width[axis])
     }

@@ -59,12 +59,14 @@ pub(super) struct Wells {
 }
 
 impl Wells {
-    pub(super) fn new(pins: Vec<Pin>, question: Question<'_>) -> Self {
+    /// `rounding` is the part of what passes a pin that solutions take away.
+    pub(super) fn new(pins: Vec<Pin>, question: Question<'_>, rounding: f64) -> Self {
         let count = pins.len();
         let moves = DMatrix::from_fn(count, count, |i, j| pins[i].arrives(&pins[j]));
         // The loss on the way from each pin at the edges, or what rounding hides.
         let lost = |to: f64| {
-            if (1.0 - to).abs() > HIDDEN * ROUNDING { (1.0 - to).abs() } else { EXCHANGED }
+            let exchanged = if rounding > ROUNDING { rounding } else { EXCHANGED };
+            if (1.0 - to).abs() > HIDDEN * rounding { (1.0 - to).abs() } else { exchanged }
         };
         let lost: Vec<f64> = moves.column_iter().map(|to| lost(to.sum())).collect();
         // What is below zero is off by at least as much.

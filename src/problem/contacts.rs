@@ -101,19 +101,20 @@ impl Problem {
         diffusion[3] / 2.0
     }
 
-    /// The wall below the motion and the one above it, for a method of one displacement (state 0) and its velocity (state 1).
-    pub(crate) fn walls_of_plane(&self, method: &'static str) -> Result<[Option<Wall>; 2]> {
+    /// The wall below the motion and the one above it, for a method of one displacement (state 0) and its velocity (state 1), and in
+    /// three states of what drives them.
+    pub(crate) fn walls_of_oscillator(&self, method: &'static str) -> Result<[Option<Wall>; 2]> {
         if self.walls.is_empty() {
             return Ok([None, None]);
         }
-        if self.dimension() != 2 {
+        if !(2..=3).contains(&self.dimension()) {
             let (what, remedy) =
-                ("walls in other than two states", "the simulation serves walls in any number of them");
+                ("walls in other than two or three states", "the simulation serves walls in any number of them");
             return Err(Error::NotServed { method, what, remedy });
         }
-        if self.walls.iter().any(|wall| wall.state() != 0) {
+        if self.walls.iter().any(|wall| wall.state() != 0) || self.velocity_of(0) != Some(1) {
             let remedy = "let the displacement be the first state and its velocity the second";
-            return Err(Error::NotServed { method, what: "a wall on the second state", remedy });
+            return Err(Error::NotServed { method, what: "a wall on another state than the first", remedy });
         }
         Ok([true, false].map(|above| self.walls.iter().find(|wall| wall.is_above() == above).copied()))
     }

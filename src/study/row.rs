@@ -47,7 +47,7 @@ pub struct OrderRow {
     #[serde(with = "number::option")]
     pub l1_error: Option<f64>,
     /// The distance of the closest exponential polynomial of the order, the best that any closure of it can do
-    /// ([`Closure::fit`](crate::Closure::fit)): in one state and two without walls, where the truth is no simulation.
+    /// ([`Closure::fit`](crate::Closure::fit)): in one state to three without walls, where the truth is no simulation.
     pub closest: Option<f64>,
     /// The largest |log₁₀(p̃/p)| down to 1e-5 of the peak.
     pub tail: Option<f64>,

@@ -30,7 +30,7 @@ impl Truth {
 
     /// The distance of the closest exponential polynomial of an order; none where it is not known.
     pub(super) fn closest(&self, order: u32) -> Option<f64> {
-        if self.is_sampled() || self.density.dimension() > 2 {
+        if self.is_sampled() || self.density.dimension() > 3 {
             return None;
         }
         let mut known = self.closest.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,6 +1,6 @@
 //! The exponential polynomial closest to a density that is known, and the closures that fall back on it.
 
-use crate::common::{duffing, duffing_above, l1_from, on_grid, problem};
+use crate::common::{chain_of_two, duffing, duffing_above, l1_from, on_grid, problem};
 use expoly::{
     ClosedForm, Closure, ClosureDensity, Crossing, Density, Error, Estimate, Grid, GridDensity, Origin, Problem,
     Reference, Simulation, Wall, Weight, compare,
@@ -239,10 +239,10 @@ fn walls_have_a_closest_density() {
 /// What cannot be served is refused by name.
 #[test]
 fn references_that_do_not_serve_are_refused() {
-    let (_, three) = case!("harvester-linear");
+    let four = expoly::models::Solved::problem(&chain_of_two()).unwrap();
     let refused = |error: Error| matches!(error, Error::NotServed { .. });
-    assert!(refused(Closure::new(2).reference(Reference::Grid).solve(&three).unwrap_err()));
-    let density = Closure::new(2).solve(&three).unwrap();
+    assert!(refused(Closure::new(2).reference(Reference::Grid).solve(&four).unwrap_err()));
+    let density = Closure::new(2).solve(&four).unwrap();
     assert!(refused(Closure::new(2).fit(&density).unwrap_err()));
     let (_, grid) = relaxing();
     assert!(matches!(Closure::new(0).fit(&grid).unwrap_err(), Error::OutOfRange { .. }));

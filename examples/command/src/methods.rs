@@ -22,7 +22,7 @@ pub(crate) enum Method {
     Reference,
     /// The literature's closure
     Classical,
-    /// The Fokker-Planck equation of one state or two on a grid
+    /// The Fokker-Planck equation of one state to three on a grid
     Grid,
     /// Trajectories
     Simulation,
@@ -39,9 +39,15 @@ pub(crate) struct Numbers {
     /// Seed of a simulation, a splitting, or the closure's pilot
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
-    /// L¹ accuracy of a grid
-    #[arg(long, default_value_t = 1e-6)]
-    pub(crate) accuracy: f64,
+    /// L¹ accuracy of a grid [default: 1e-6, in three states 1e-3]
+    #[arg(long)]
+    pub(crate) accuracy: Option<f64>,
+}
+
+impl Numbers {
+    pub(crate) fn grid(&self) -> Grid {
+        self.accuracy.map_or_else(Grid::new, |l1| Grid::new().accuracy(l1))
+    }
 }
 
 /// What is asked of a method, for one problem.
@@ -158,7 +164,7 @@ impl Task<'_> {
                 })
             }
             Method::Grid => {
-                let found = busy("grid", || Grid::new().accuracy(numbers.accuracy).solve(problem))?;
+                let found = busy("grid", || numbers.grid().solve(problem))?;
                 let by = busy("derivatives", || GridDensity::sensitivities(&found, &names))?;
                 let answer = Answer::of(&found, problem, questions).derived(&by, problem, questions);
                 Ok((answer, Some(Box::new(found))))

@@ -5,7 +5,7 @@ use crate::system::System;
 use crate::{Outcome, print};
 use clap::Args;
 use expoly::study::{Case, OrderStudy};
-use expoly::{Closure, Density, Grid, Method, Problem, Progress, Simulation};
+use expoly::{Closure, Density, Method, Problem, Progress, Simulation};
 use output::progress::{advance, bar};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -31,15 +31,19 @@ pub(crate) struct Orders {
     json: bool,
 }
 
-/// The density that orders are compared with: a grid's in one and two states, else a simulation's.
+/// The density that orders are compared with: a grid's in one state to three, where there is one, else a simulation's.
 #[derive(Clone, Debug)]
 struct Truth(Numbers);
 
 impl Method for Truth {
     fn density(&self, problem: &Problem) -> expoly::Result<Box<dyn Density>> {
-        let Numbers { samples, seed, accuracy } = self.0;
-        if problem.dimension() <= 2 && problem.impulses().is_empty() {
-            return busy("grid", || Grid::new().accuracy(accuracy).density(problem));
+        let Numbers { samples, seed, .. } = self.0;
+        if problem.dimension() <= 3 && problem.impulses().is_empty() {
+            let grid = busy("grid", || self.0.grid().density(problem));
+            // A sheet in three states is too thin for cells.
+            if grid.is_ok() || problem.dimension() < 3 {
+                return grid;
+            }
         }
         Ok(Box::new(busy("simulation", || Simulation::new().samples(samples).seed(seed).run(problem))?))
     }
@@ -49,8 +53,9 @@ impl Orders {
     pub(crate) fn run(&self) -> Outcome {
         let problem = self.system.one("a study of orders")?;
         let Numbers { samples, seed, accuracy } = self.numbers;
+        let accuracy = accuracy.map_or_else(|| String::from("by default"), |accuracy| format!("{accuracy:e}"));
         let case = Case::new(&self.system.name(), problem, Truth(self.numbers.clone()))
-            .settings(&format!("samples {samples}, seed {seed}, accuracy {accuracy:e}"))
+            .settings(&format!("samples {samples}, seed {seed}, accuracy {accuracy}"))
             .method("closure", move |order| Closure::new(order).seed(seed));
         let case = if self.classical { case.method("classical", Closure::classical) } else { case };
         let bar = bar("rows");

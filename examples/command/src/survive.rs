@@ -7,7 +7,7 @@ use crate::system::System;
 use crate::transient::Initial;
 use crate::{Outcome, print};
 use clap::Args;
-use expoly::{Grid, Start};
+use expoly::Start;
 use serde::Serialize;
 
 /// Options of `expoly survive`.
@@ -69,7 +69,7 @@ impl Survive {
         let usual = if serves { Method::Grid } else { Method::Simulation };
         let (method, found, rate, mean_time) = match self.method.unwrap_or(usual) {
             Method::Grid => busy("grid", || -> expoly::Result<_> {
-                let survival = Grid::new().accuracy(self.numbers.accuracy).solve(problem)?.survival(within)?;
+                let survival = self.numbers.grid().solve(problem)?.survival(within)?;
                 let found = survival.probability(course, &self.times, self.initial.step_accuracy)?;
                 let mean_time = self.initial.is_steady().then(|| survival.mean_time(&start).into());
                 Ok(("grid", found, Some(survival.rate().into()), mean_time))

@@ -6,7 +6,7 @@ use crate::questions::Asked;
 use crate::system::{System, number, state};
 use crate::{Outcome, print};
 use clap::Args;
-use expoly::{Closure, Course, Density, Envelope, Gaussian, Grid, Problem, Start};
+use expoly::{Closure, Course, Density, Envelope, Gaussian, Problem, Start};
 use nalgebra::{DMatrix, DVector};
 
 /// Where a course starts, how the noise rises and fades, and how closely a grid follows it.
@@ -112,7 +112,7 @@ impl Follow {
                 found.iter().map(|at| answer(at.time, &at.density, at.step_error)).collect()
             }
             Method::Grid => {
-                let grid = Grid::new().accuracy(self.numbers.accuracy);
+                let grid = self.numbers.grid();
                 let found = busy("grid", || grid.solve(problem)?.transient(course, times, self.initial.step_accuracy))?;
                 found.iter().map(|at| answer(at.time, &at.density, at.step_error)).collect()
             }

@@ -2,11 +2,12 @@
 //!
 //! Oscillators with sines, roots, quotients, friction, clearances and drag: the closure's distance in L¹ from a grid of accuracy 1e-7 with its
 //! own estimate, of each order; and the worst error of known moments by each method. These are by quadrature where the density has a
-//! closed form, and otherwise of solutions on finer grids by other means.
+//! closed form, and otherwise of solutions on finer grids by other means. Then an oscillator with hysteresis, against a simulation.
 
 use crate::Outcome;
 use clap::Args;
-use expoly::{Closure, Density, Grid, Problem, Simulation, Weight, compare};
+use expoly::models::BoucWen;
+use expoly::{Closure, Density, Grid, Histogram, Problem, Simulation, Weight, compare};
 use support::text::{aligned, short};
 
 /// The methods where forces are no polynomials.
@@ -22,6 +23,11 @@ pub(crate) struct Options {
     #[arg(long, default_value_t = 1_000_000)]
     samples: usize,
 }
+
+/// The highest order of the closure in three states.
+const MOST: u32 = 8;
+/// Bins of a histogram along a state that make one.
+const TOGETHER: usize = 4;
 
 /// A system: its name, the force −v′ − …, the intensity D, and known moments.
 pub(crate) struct Force {
@@ -129,7 +135,7 @@ impl Force {
     }
 
     /// The worst error of the known moments, relative, and in their own errors.
-    fn worst(&self, density: &dyn Density) -> expoly::Result<[f64; 2]> {
+    pub(crate) fn worst(&self, density: &dyn Density) -> expoly::Result<[f64; 2]> {
         self.known.iter().try_fold([0.0, 0.0], |[relative, own]: [f64; 2], (powers, truth)| {
             let found = density.moment(powers)?;
             let off = (found.value - truth).abs();
@@ -163,5 +169,82 @@ pub(crate) fn run(options: &Options) -> Outcome {
         println!("{}", aligned(&rows[rows.len() - 1..], 1).trim_end());
     }
     println!("\n{}", aligned(&rows, 1));
+    if "hysteresis".contains(&options.only) { hysteresis(options) } else { Ok(()) }
+}
+
+/// Pairs of states of Bouc's and Wen's oscillator.
+const PAIRS: [[usize; 2]; 3] = [[0, 1], [1, 2], [0, 2]];
+
+/// Bouc's and Wen's oscillator, c = 0.1, α = β = γ = 0.5, D = 0.05, of two exponents: L¹ of the densities of two states against the
+/// histograms of a simulation, the histograms' own noise beside it, and how much calibration lowers the standard error of E x².
+fn hysteresis(options: &Options) -> Outcome {
+    let heads = [
+        "exponent",
+        "n",
+        "E x^2",
+        "error",
+        "plain / calibrated",
+        "L1 of (x, v)",
+        "of (v, z)",
+        "of (x, z)",
+        "noise",
+        "estimate",
+    ];
+    let mut rows = vec![heads.map(String::from).to_vec()];
+    for exponent in [1, 2] {
+        let problem = Problem::of(BoucWen::new([0.1, 0.5, 0.5, 0.5], exponent, 0.05)?)?;
+        let simulation = || Simulation::new().samples(options.samples);
+        let sampled = simulation().samples(20 * options.samples).joint([1, 2]).joint([0, 2]).run(&problem)?;
+        let [plain, calibrated] = [false, true].map(|with| {
+            let found = simulation().control_variates(with).run(&problem)?;
+            found.moment(&[2, 0, 0])
+        });
+        let (plain, calibrated) = (plain?, calibrated?);
+        for &order in options.orders.iter().filter(|order| **order <= MOST) {
+            let found = Closure::new(order).solve(&problem)?;
+            let mut row = vec![exponent.to_string(), order.to_string(), format!("{:.6}", calibrated.value)];
+            row.extend([format!("{:.1e}", calibrated.error), format!("{:.0}", plain.error / calibrated.error)]);
+            let mut noise: f64 = 0.0;
+            for pair in PAIRS {
+                let [l1, own] = distance(&found, pair, &sampled.joint(pair)?)?;
+                row.push(short(Some(l1)));
+                noise = noise.max(own);
+            }
+            row.extend([short(Some(noise)), short(Some(found.l1_estimate()))]);
+            rows.push(row);
+        }
+    }
+    println!("hysteresis\n\n{}", aligned(&rows, 2));
     Ok(())
+}
+
+/// Σ |p − h| over the bins of two states, four by four together, and what the histogram's own noise makes of it.
+fn distance(density: &dyn Density, pair: [usize; 2], histogram: &Histogram) -> expoly::Result<[f64; 2]> {
+    let edges: Vec<Vec<f64>> = [0, 1].map(|along| histogram.edges(along).collect()).to_vec();
+    let together = |along: usize| (0..edges[along].len() - 1).step_by(TOGETHER);
+    let (mut l1, mut noise) = (0.0, 0.0);
+    for (i, j) in together(0).flat_map(|i| together(1).map(move |j| (i, j))) {
+        let [to_i, to_j] = [(i, 0), (j, 1)].map(|(k, along)| (k + TOGETHER).min(edges[along].len() - 1));
+        let (mut share, mut squared) = (0.0, 0.0);
+        for (p, q) in (i..to_i).flat_map(|p| (j..to_j).map(move |q| (p, q))) {
+            let area = (edges[0][p + 1] - edges[0][p]) * (edges[1][q + 1] - edges[1][q]);
+            let cell = histogram.cell(&[p, q])?;
+            share += area * cell.value;
+            squared += (area * cell.error).powi(2);
+        }
+        if share == 0.0 {
+            continue;
+        }
+        let mut mass = 0.0;
+        let sides = [edges[0][to_i] - edges[0][i], edges[1][to_j] - edges[1][j]];
+        for s in [-1.0, 1.0].map(|sign| 0.5 + sign * 0.5 / 3.0_f64.sqrt()) {
+            for t in [-1.0, 1.0].map(|sign| 0.5 + sign * 0.5 / 3.0_f64.sqrt()) {
+                let place = [edges[0][i] + s * sides[0], edges[1][j] + t * sides[1]];
+                mass += sides[0] * sides[1] / 4.0 * density.joint_marginal(pair, place)?.value;
+            }
+        }
+        l1 += (mass - share).abs();
+        noise += (2.0 / std::f64::consts::PI * squared).sqrt();
+    }
+    Ok([l1, noise])
 }

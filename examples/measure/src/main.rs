@@ -15,6 +15,7 @@ mod draw;
 mod forces;
 mod fuzz;
 mod grid_cases;
+mod grid_in_space;
 mod grid_walls;
 mod identification;
 mod impulses;
@@ -51,6 +52,8 @@ enum Question {
     Fuzz(fuzz::Options),
     /// Does the grid resolve by itself what people bring, and is its estimate right?
     GridCases(grid_cases::Options),
+    /// How accurate is the grid in three states, and what does it take?
+    GridInSpace(grid_in_space::Options),
     /// How accurate is the grid above a wall that takes energy?
     GridWalls(grid_walls::Options),
     /// How often do intervals of identified parameters hold the true ones?
@@ -89,6 +92,7 @@ fn main() -> ExitCode {
         Question::Forces(options) => forces::run(&options),
         Question::Fuzz(options) => fuzz::run(&options),
         Question::GridCases(options) => grid_cases::run(&options),
+        Question::GridInSpace(options) => grid_in_space::run(&options),
         Question::GridWalls(options) => grid_walls::run(&options),
         Question::Identification(options) => identification::run(&options),
         Question::Impulses(options) => impulses::run(&options),

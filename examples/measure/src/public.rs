@@ -121,7 +121,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
             }
         };
         for (name, method) in METHODS.iter().filter(|(name, _)| name.contains(&options.method)) {
-            if matches!(method, Method::Grid) && problem.dimension() > 2 {
+            if matches!(method, Method::Grid) && problem.dimension() > 3 {
                 continue;
             }
             let begin = Instant::now();

@@ -5,6 +5,7 @@
 //! control variates remove the bias that is measured here. `wall-table` shows the bias at the step that the library chooses.
 
 use crate::Outcome;
+use crate::forces::FORCES;
 use clap::Args;
 use expoly::models::{DisplacementNoise, Duffing, ParametricLinear, Solved, VelocityNoise, VibroImpactDuffing};
 use expoly::{Density, Error, Estimate, Grid, Interpretation, Problem, SimulatedDensity, Simulation};
@@ -19,6 +20,9 @@ pub(crate) struct Options {
     /// The walls alone
     #[arg(long)]
     walls: bool,
+    /// Forces that are no polynomials alone
+    #[arg(long)]
+    forces: bool,
 }
 
 /// The time steps, each twice the one before; with steps of 0.4 trajectories would explode.
@@ -33,10 +37,33 @@ const WALLS: [([f64; 2], [f64; 2]); 4] = [
 ];
 
 pub(crate) fn run(options: &Options) -> Outcome {
-    if !options.walls {
-        open_systems(options)?;
+    if options.forces || !options.walls {
+        forces(options)?;
     }
-    walls(options)
+    if options.walls || !options.forces {
+        walls(options)?;
+    }
+    if options.walls || options.forces { Ok(()) } else { open_systems(options) }
+}
+
+/// Sines, kinks, jumps, drag and friction.
+fn forces(options: &Options) -> Outcome {
+    heading("forces that are no polynomials: distance from the grid's mean in percent", STEPS);
+    for force in &FORCES {
+        let problem = force.problem()?;
+        let truth = Grid::new().accuracy(1e-6).solve(&problem)?;
+        let mut errors = [const { Vec::new() }; 2];
+        for result in runs(&problem, STEPS, 1.2, options) {
+            let result = result?;
+            for (powers, errors) in [[2, 0], [0, 2]].iter().zip(&mut errors) {
+                errors.push(relative(result.moment(powers)?, truth.moment(powers)?.value));
+            }
+        }
+        for ((name, what), errors) in [(force.name, "E x^2"), ("", "E v^2")].into_iter().zip(errors) {
+            row(name, what, &errors);
+        }
+    }
+    Ok(())
 }
 
 fn open_systems(options: &Options) -> Outcome {

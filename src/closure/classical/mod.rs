@@ -126,7 +126,11 @@ impl ClassicalClosure {
             let (found, frame) = self.in_open_space(operator, &problem.gaussian()?)?;
             (found, frame, Support::WholeSpace)
         } else {
-            let [Some(wall), None] = problem.walls_of_plane(METHOD)? else {
+            if problem.dimension() != 2 {
+                let what = "a wall in three states";
+                return Err(Error::NotServed { method: METHOD, what, remedy: "`Closure::new` and `Grid` do" });
+            }
+            let [Some(wall), None] = problem.walls_of_oscillator(METHOD)? else {
                 let what = "a wall that the motion stays below";
                 return Err(Error::NotServed { method: METHOD, what, remedy: "`Closure::new` and `Grid` do" });
             };

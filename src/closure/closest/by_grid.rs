@@ -23,9 +23,10 @@ use crate::provenance::Provenance;
 use faer::Mat;
 use std::time::Instant;
 
-/// The accuracies, in L¹, of the first and the second grid that stands for a reference.
-const ACCURACIES: [f64; 2] = [1e-3, 1e-5];
-/// A second, finer grid stands for the reference where the error of the first is above this share of the estimated L¹ distance.
+/// The accuracies, in L¹, of the grids that stand for a reference, each where that before is too coarse; and in three states.
+const ACCURACIES: [f64; 3] = [1e-3, 1e-5, 1e-7];
+const IN_SPACE: [f64; 2] = [1e-2, 1e-3];
+/// A finer grid stands for the reference where the error of that before is above this share of the estimated L¹ distance.
 const MINOR: f64 = 0.1;
 /// In two states the moment equations' answer is taken where its estimate is below this share of that by a grid. None of nine
 /// closures depends on the value.
@@ -44,9 +45,13 @@ impl Closure {
         begin: Instant,
     ) -> Result<ClosureDensity> {
         let mut found = None;
-        for accuracy in ACCURACIES {
+        let accuracies = if problem.dimension() > 2 { &IN_SPACE[..] } else { &ACCURACIES };
+        for &accuracy in accuracies {
             // A grid that the memory ends has what it reached as its estimate.
-            let grid = Grid::new().accuracy(accuracy).within(self.memory.at_most(GRID_MEMORY)).solve(problem);
+            let grid = Grid::new()
+                .accuracy(accuracy)
+                .within(self.memory.at_most(GRID_MEMORY[problem.dimension() - 1]))
+                .solve(problem);
             let grid = match grid {
                 Ok(grid) => grid,
                 Err(error) => return found.unwrap_or(Err(error)),

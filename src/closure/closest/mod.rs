@@ -58,7 +58,7 @@ const ROUNDS: usize = 5;
 const METHOD: &str = "closure";
 
 impl Closure {
-    /// The exponential polynomial of the order that is closest to a density of one state or two, such as a grid's, also one in time, or
+    /// The exponential polynomial of the order that is closest to a density of one state to three, such as a grid's, also one in time, or
     /// a simulation's: the best that the order can do, with its distance as the estimate, in which a simulation's noise is. Of all even
     /// orders up to the one given it is the closest one; an adaptive closure takes the lowest that meets its target. Next to the walls of
     /// an oscillator on a grid or of a closure, ln p has what [`Closure::solve`] gives it there, up to order 10.
@@ -70,7 +70,7 @@ impl Closure {
     /// up to the order, are the density's own, with their errors.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] and [`Error::Dimension`] as in [`Closure::solve`]; [`Error::NotServed`] for three states and more;
+    /// [`Error::OutOfRange`] and [`Error::Dimension`] as in [`Closure::solve`]; [`Error::NotServed`] for four states and more;
     /// [`Error::NotClosed`] where no polynomial is found; the errors of the density's values.
     ///
     /// ```
@@ -91,8 +91,8 @@ impl Closure {
         if walled {
             self.require_complete_degrees()?;
         }
-        if states > 2 {
-            let (what, remedy) = ("a density of three states and more to be close to", "solve the problem");
+        if states > 3 {
+            let (what, remedy) = ("a density of four states and more to be close to", "solve the problem");
             return Err(Error::NotServed { method: METHOD, what, remedy });
         }
         let symmetry = Symmetry::none(states);

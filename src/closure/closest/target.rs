@@ -8,8 +8,8 @@ use crate::parallel;
 use crate::problem::Symmetry;
 use crate::states::States;
 
-/// The fewest cells in one state and in two, so that a density without cells of its own has some where its mass is.
-const FEWEST: [usize; 2] = [64, 256];
+/// The fewest cells in one state to three, so that a density without cells of its own has some where its mass is.
+const FEWEST: [usize; 3] = [64, 256, 1000];
 /// The factor on the fewest cells where too much of the mass of a density without cells of its own is not on them, or not known.
 const MORE: usize = 16;
 /// The share of the mass that is not on the cells, or not known, from which on a density without cells of its own gets more of
@@ -73,8 +73,9 @@ impl<'a> TargetDensity<'a> {
     /// The same from `more` times the fewest cells on.
     fn on_cells(density: &'a dyn Density, symmetry: &'a Symmetry, level: f64, more: usize) -> Result<Self> {
         let mut cells: Vec<Cell> = density.cells().into_iter().map(|limits| Cell { limits }).collect();
-        // A cell of a grid has more than a cubic in it.
-        let least = (more * FEWEST[density.dimension() - 1]).max(cells.len() + 1);
+        let states = density.dimension();
+        // A cell of a grid has more than a cubic in it; in three states it is divided where that shows.
+        let least = (more * FEWEST[states - 1]).max(cells.len() + usize::from(states < 3));
         while cells.len() < least {
             cells = cells.iter().flat_map(Cell::children).collect();
         }

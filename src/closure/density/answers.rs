@@ -1,6 +1,7 @@
 //! The integrals of a closure's density, on Gauss nodes, on a lattice or on draws, each with its distance from that of the
 //! reference.
 
+use super::cells::DomainCells;
 use super::content::{Content, Integrals};
 use super::impacts::{Combination, POWERS, WallImpacts};
 use crate::checks::{coordinate, dimension, point};
@@ -32,6 +33,16 @@ impl ClosureDensity {
         Ok(Estimate::new(section.value, section.error.hypot(distance)))
     }
 
+    /// ∫ g p dx over all states but those held, on cells.
+    fn section_of_cells(&self, cells: &DomainCells, held: &[(usize, f64)], g: &dyn Fn(&[f64]) -> f64) -> Estimate {
+        let part = |[own, known]: [f64; 2], (point, w): (Vec<f64>, f64)| {
+            let value = w * g(&point);
+            [own + value * self.content.exponent.value(&point).exp(), known + value * cells.density(&point)]
+        };
+        let [own, known] = cells.section(held).into_iter().fold([0.0; 2], part);
+        Estimate::new(own, (own - known).abs() + self.reference_error() * known.abs())
+    }
+
     /// ∫ g p dx over all states but one, which is `x`.
     pub(in crate::closure) fn section(
         &self,
@@ -42,14 +53,7 @@ impl ClosureDensity {
         let Content { exponent, reference, domain, integrals, .. } = &self.content;
         let lines = match integrals {
             Integrals::Panels { lines, .. } => lines,
-            Integrals::Cells(cells) => {
-                let part = |[own, known]: [f64; 2], (point, w): (Vec<f64>, f64)| {
-                    let value = w * g(&point);
-                    [own + value * exponent.value(&point).exp(), known + value * cells.density(&point)]
-                };
-                let [own, known] = cells.section(state, x).into_iter().fold([0.0; 2], part);
-                return Ok(Estimate::new(own, (own - known).abs() + self.reference_error() * known.abs()));
-            }
+            Integrals::Cells(cells) => return Ok(self.section_of_cells(cells, &[(state, x)], &g)),
             Integrals::Draws(rule) => return self.drawn_section(rule, &[(state, x)], &g),
         };
         let mut point = vec![0.0; lines.len()];
@@ -170,6 +174,9 @@ impl Density for ClosureDensity {
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
         let states = pair(states, x, self.dimension())?;
         match &self.content.integrals {
+            Integrals::Cells(cells) if self.dimension() > 2 => {
+                Ok(self.section_of_cells(cells, &[0, 1].map(|k| (states[k], x[k])), &|_| 1.0))
+            }
             Integrals::Panels { .. } | Integrals::Cells(_) => self.pdf(&placed(states, x, self.dimension())),
             Integrals::Draws(rule) => self.drawn_section(rule, &[0, 1].map(|k| (states[k], x[k])), &|_| 1.0),
         }

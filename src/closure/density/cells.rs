@@ -60,27 +60,36 @@ impl DomainCells {
         nodes
     }
 
-    /// Nodes with weights on the part of the boxes where one state is `x`, for functions that are smooth on either side of 0.
-    pub(in crate::closure) fn section(&self, state: usize, x: f64) -> Vec<(Vec<f64>, f64)> {
+    /// Nodes with weights on the part of the boxes where some states are held, for functions that are smooth on either side of 0.
+    pub(in crate::closure) fn section(&self, held: &[(usize, f64)]) -> Vec<(Vec<f64>, f64)> {
         let [_, rule] = self.rules();
         let mut found = Vec::new();
-        let end = self.bounds()[state][1];
+        let bounds = self.bounds();
         // A wall above the motion is the upper end of all.
-        let meets = |[low, high]: [f64; 2]| (low..high).contains(&x) || x == high && x == end;
-        for limits in self.limits.iter().filter(|limits| meets(limits[state])) {
-            let mut point = vec![x; limits.len()];
-            let Some(other) = (0..limits.len()).find(|axis| *axis != state) else {
-                found.push((point, 1.0));
-                continue;
-            };
-            let [low, high] = limits[other];
-            let middle = 0.0_f64.clamp(low, high);
-            for (t, w) in
-                [[low, middle], [middle, high]].iter().flat_map(|[a, b]| rule.on(*a, *b).iter().collect::<Vec<_>>())
-            {
-                point[other] = t;
-                found.push((point.clone(), w));
+        let meets = |limits: &&Vec<[f64; 2]>| {
+            held.iter().all(|&(state, x)| {
+                let [low, high] = limits[state];
+                (low..high).contains(&x) || x == high && x == bounds[state][1]
+            })
+        };
+        for limits in self.limits.iter().filter(meets) {
+            let mut point = vec![0.0; limits.len()];
+            held.iter().for_each(|&(state, x)| point[state] = x);
+            let mut own = vec![(point, 1.0)];
+            for axis in (0..limits.len()).filter(|axis| held.iter().all(|(state, _)| state != axis)) {
+                let [low, high] = limits[axis];
+                let middle = 0.0_f64.clamp(low, high);
+                let halves = [[low, middle], [middle, high]].into_iter().filter(|[a, b]| a < b);
+                let nodes: Vec<(f64, f64)> =
+                    halves.flat_map(|[a, b]| rule.on(a, b).iter().collect::<Vec<_>>()).collect();
+                let with = |(point, weight): &(Vec<f64>, f64), (t, w): &(f64, f64)| {
+                    let mut point = point.clone();
+                    point[axis] = *t;
+                    (point, weight * w)
+                };
+                own = own.iter().flat_map(|part| nodes.iter().map(move |node| with(part, node))).collect();
             }
+            found.extend(own);
         }
         found
     }

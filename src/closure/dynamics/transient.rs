@@ -85,7 +85,7 @@ impl Closure {
         course: &Course,
         times: &[f64],
     ) -> Result<Vec<Transient<ClosureDensity>>> {
-        let memory = self.memory.at_most(GRID_MEMORY);
+        let memory = self.memory.at_most(GRID_MEMORY[problem.dimension() - 1]);
         let stationary = Grid::new().accuracy(ACCURACY).within(memory).solve(problem)?;
         let closest = |_, Transient { time, density, step_error }: Transient<GridDensity>| {
             Ok(Transient { time, density: self.fit(&density)?, step_error })

@@ -1,9 +1,11 @@
 //! What is measured now.
 
 use super::Text;
+use crate::forces::FORCES;
+use crate::grid_in_space::SYSTEMS;
 use crate::{campaign, derivatives_at_walls, impulses, public as cases, transients};
 use expoly::models::{Duffing, VibroImpactDuffing};
-use expoly::{Basis, Closure, Density, Grid, Problem, Result, Simulation, Wall, compare};
+use expoly::{Basis, Closure, Density, Grid, Problem, Result, Simulation, Wall, Weight, compare};
 use support::models::{Exact, models};
 use support::text::{headed, markdown, short, shown};
 
@@ -61,6 +63,21 @@ pub(super) fn closures(quick: bool) -> Text {
     Ok(markdown(&rows))
 }
 
+/// Forces that are no polynomials, against the grid.
+pub(super) fn forces(quick: bool) -> Text {
+    let mut rows = headed(["system", "n = 4: L¹, estimate", "n = 8: L¹, estimate", "grid: worst moment"]);
+    for force in FORCES.iter().take(if quick { 1 } else { FORCES.len() }) {
+        let problem = force.problem()?;
+        let truth = Grid::new().accuracy(1e-7).solve(&problem)?;
+        let closed = |order| -> Result<String> {
+            let density = Closure::new(order).weight(Weight::Density).solve(&problem)?;
+            Ok(pair(compare::l1(&density, &truth)?.value, density.l1_estimate()))
+        };
+        rows.push(vec![force.name.to_owned(), closed(4)?, closed(8)?, format!("{:.0e}", force.worst(&truth)?[0])]);
+    }
+    Ok(markdown(&rows))
+}
+
 /// The Duffing oscillator of the standard study above five walls.
 pub(super) fn walls(quick: bool) -> Text {
     const WALLS: [[f64; 2]; 5] = [[0.0, 0.98], [0.2, 0.95], [-0.5, 0.9], [0.5, 0.7], [-0.5, 0.5]];
@@ -82,6 +99,26 @@ pub(super) fn walls(quick: bool) -> Text {
             classical(Basis::Folded)?,
             format!("{:.0e}", truth.l1_estimate()),
         ]);
+    }
+    Ok(markdown(&rows))
+}
+
+/// The grid in three states, by the accuracy that is asked for.
+pub(super) fn grid_in_space(quick: bool) -> Text {
+    let mut rows = headed(["system", "accuracy", "degree", "cells", "estimate", "L¹"]);
+    for system in SYSTEMS.iter().take(if quick { 1 } else { 3 }) {
+        for [accuracy, finer] in system.accuracies.iter().take(if quick { 1 } else { 2 }) {
+            let (found, l1) = system.solved([*accuracy, *finer], &|accuracy| Grid::new().accuracy(accuracy))?;
+            let made = found.provenance();
+            rows.push(vec![
+                system.name.to_owned(),
+                short(Some(*accuracy)),
+                shown(made.degree),
+                shown(made.cells),
+                short(made.l1_estimate),
+                short(l1),
+            ]);
+        }
     }
     Ok(markdown(&rows))
 }

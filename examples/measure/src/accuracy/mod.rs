@@ -34,10 +34,12 @@ type Text = Result<String, Box<dyn std::error::Error>>;
 /// A part of the page by its name there; the flag is that of `--quick`.
 type Part = (&'static str, fn(bool) -> Text);
 
-const PARTS: [Part; 9] = [
+const PARTS: [Part; 11] = [
     ("solved", measured::solved),
     ("closures", measured::closures),
+    ("forces", measured::forces),
     ("walls", measured::walls),
+    ("space", measured::grid_in_space),
     ("states", measured::many_states),
     ("times", measured::in_time),
     ("impulses", measured::under_impulses),
