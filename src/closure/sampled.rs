@@ -31,6 +31,11 @@ const EXACT_ON_LATTICE: f64 = 1.8;
 const BY_REFERENCE: f64 = 1.2;
 /// ln ∫ exp(Q) dx by two sets of draws differs by less than this where both resolve exp(Q).
 const BY_CHANCE_ALONE: f64 = 0.1;
+/// States all over a trust domain, and shells of it in which the masses of exp(Q) are compared where the drift has kinks.
+const SCATTERED: usize = 1 << 16;
+const SHELLS: usize = 12;
+/// The share of the pilot's states in shells where a mass may be above that in the shell before.
+const INSIDE: f64 = 0.9;
 /// A lower order is tried where at least this share of the estimated error is chance, which a lower order has less of.
 const BY_CHANCE: f64 = 0.5;
 
@@ -70,6 +75,30 @@ impl SampledSystem {
             (copula, None)
         } else {
             (far, Some((lattice, Estimate::new(mass.ln() + top, uneven))))
+        }
+    }
+
+    /// The trust domain up to where exp(Q) rises outwards, and the share of the pilot's states beyond. Of functions with kinks one may win in
+    /// a corner where no trajectory comes and no draw shows it.
+    fn before_rise(&self, copula: Copula, exponent: &Exponent) -> (Copula, f64) {
+        let Ok((scattered, weights)) = copula.scattered(SCATTERED, self.seed) else { return (copula, 0.0) };
+        let farthest = copula.farthest();
+        let shell = |x: &[f64]| ((copula.distance(x) / farthest * SHELLS as f64) as usize).min(SHELLS - 1);
+        let mut logs = exponent.values(&scattered);
+        logs.iter_mut().zip(&weights).for_each(|(log, weight)| *log += weight);
+        let mut masses = [f64::NEG_INFINITY; SHELLS];
+        for (x, log) in scattered.iter().zip(&logs) {
+            let mass = &mut masses[shell(x)];
+            let top = mass.max(*log);
+            *mass = top + ((*mass - top).exp() + (log - top).exp()).ln();
+        }
+        let mut counts = [0.0; SHELLS];
+        self.pilot.states.iter().for_each(|x| counts[shell(x)] += 1.0 / self.pilot.states.len() as f64);
+        let within = |end: usize| counts[..end].iter().sum::<f64>();
+        let rises = |k: &usize| within(*k) > INSIDE && masses[*k] > masses[*k - 1];
+        match (1..SHELLS).find(rises) {
+            Some(end) => (copula.ending_at(farthest * end as f64 / SHELLS as f64), 1.0 - within(end)),
+            None => (copula, 0.0),
         }
     }
 
@@ -213,6 +242,8 @@ impl SampledSystem {
         let (symmetry, contacts) = (self.family.symmetry(), self.problem.contacts());
         let (copula, lattice) =
             if found.exact && contacts.is_empty() { self.far_lattice(copula, &found.exponent) } else { (copula, None) };
+        let (copula, cut) =
+            if self.family.has_folds() { self.before_rise(copula, &found.exponent) } else { (copula, 0.0) };
         // About as many stay on this side of all walls.
         let draws = DRAWS * (1 + contacts.len());
         // Nodes that resolve the density have its mass to more digits than draws; other draws do not.
@@ -238,7 +269,7 @@ impl SampledSystem {
             // The edge cuts off a mass of at most about that of one state, or of those beyond the lines.
             l1_estimate: match &lattice {
                 Some(_) => rule.log_mass().error,
-                None => (found.l1_estimate[0] + beyond + unresolved).min(2.0),
+                None => (found.l1_estimate[0] + beyond + cut + unresolved).min(2.0),
             },
             tail_estimate: if found.exact { 0.0 } else { f64::INFINITY },
             likelihood_loss: 0.0,

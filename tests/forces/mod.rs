@@ -163,6 +163,10 @@ fn hysteresis_takes_its_power() -> Result<()> {
             // Without the equations of kinked functions, and without any: 5e-4 and 5e-3. Measured are 8e-5 to 1.4e-4.
             assert!(found.error < 2e-4 * found.value, "{exponent}, state {state}: {found}");
         }
+        // Four deviations of the velocity out, with the force at its other bound, no trajectory comes by; without an end of the trust domain
+        // where exp(Q) rises it had 9e6 here for the exponent 1.
+        let corner = density.joint_marginal([1, 2], [2.0, -0.99])?;
+        assert!(corner.value < 1e-3, "{exponent}: {corner}");
     }
     Ok(())
 }

@@ -180,7 +180,7 @@ fn a_closure_is_close_to_the_grid() {
 #[test]
 fn what_is_too_thin_says_so() {
     let problem = by_toml(include_str!("../cases/harvester-bistable.toml"));
-    match Grid::new().accuracy(1e-2).memory_limit(1.5).solve(&problem) {
+    match Grid::new().accuracy(1e-2).memory_limit(0.8).solve(&problem) {
         Ok(density) => assert!(density.l1_estimate() > 0.1 && density.warning().is_some(), "{density}"),
         Err(error) => assert!(error.to_string().contains("the closure or the simulation"), "{error}"),
     }

@@ -7,8 +7,11 @@ use crate::error::{Error, Result};
 use crate::polynomial::odd;
 use crate::problem::Symmetry;
 use crate::record::{Read, positive, states};
+use crate::states::States;
 use crate::walls::Contact;
 use nalgebra::{Cholesky, DMatrix};
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 
 /// Normal scores between which a state is a linear function of its score.
@@ -224,7 +227,42 @@ impl Copula {
 
     /// Whether a state lies in the trust domain: where the pilot has been, or a little farther out.
     pub(super) fn trusts(&self, x: &[f64]) -> bool {
-        distance(&self.inverse, &self.scores(x)) <= self.farthest
+        self.distance(x) <= self.farthest
+    }
+
+    /// The square of the distance of a state's scores from their middle, in their standard deviations,
+    pub(in crate::closure) fn distance(&self, x: &[f64]) -> f64 {
+        distance(&self.inverse, &self.scores(x))
+    }
+
+    /// the largest one in the trust domain,
+    pub(in crate::closure) fn farthest(&self) -> f64 {
+        self.farthest
+    }
+
+    /// and the same with a smaller one.
+    pub(in crate::closure) fn ending_at(self, farthest: f64) -> Self {
+        Copula { farthest, ..self }
+    }
+
+    /// States that fill the trust domain evenly by their scores, with the logarithms of their weights but for a constant.
+    pub(in crate::closure) fn scattered(&self, count: usize, seed: u64) -> Result<(States, Vec<f64>)> {
+        let (sampler, n) = (self.sampler(&[])?, self.knots.len());
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        let (mut scattered, mut weights) = (States::new(n), Vec::with_capacity(count));
+        let (mut u, mut x) = (vec![0.0; n], vec![0.0; n]);
+        for _ in 0..count {
+            u.iter_mut().for_each(|u| *u = generator.sample(StandardNormal));
+            let share = generator.random::<f64>().powf((n as f64).recip());
+            let length = u.iter().map(|u| u * u).sum::<f64>().sqrt();
+            let radius = share * self.farthest.sqrt();
+            u.iter_mut().for_each(|u| *u *= radius / length);
+            if let Some(logarithm) = sampler.draw(&mut u, &mut x) {
+                scattered.push(&x);
+                weights.push(-logarithm - 0.5 * radius * radius);
+            }
+        }
+        Ok((scattered, weights))
     }
 }
 

@@ -109,7 +109,7 @@ impl FunctionFamily {
     }
 
     /// Whether the drift has a kink or a jump.
-    pub(super) fn has_folds(&self) -> bool {
+    pub(in crate::closure) fn has_folds(&self) -> bool {
         !self.folds.is_empty()
     }
 
