@@ -40,16 +40,29 @@ impl NullaryFnOnce for ColumnProduct<'_> {
 #[inline(always)]
 pub(super) fn add_columns(sum: &mut [f64], matrix: &Mat<f64>, [row, column]: [usize; 2], factor: f64, x: &[f64]) {
     let rows = row..row + sum.len();
-    let of = |k: usize| &matrix.col_as_slice(column + k)[rows.clone()];
-    if let [a, b, c, d] = *x {
-        let [a, b, c, d] = [factor * a, factor * b, factor * c, factor * d];
-        let (first, second, third, fourth) = (of(0), of(1), of(2), of(3));
-        for (i, s) in sum.iter_mut().enumerate() {
-            *s += (a * first[i] + b * second[i]) + (c * third[i] + d * fourth[i]);
-        }
-    } else {
-        for (k, x) in x.iter().enumerate() {
-            sum.iter_mut().zip(of(k)).for_each(|(s, c)| *s += factor * x * c);
+    add_combination(sum, |k| &matrix.col_as_slice(column + k)[rows.clone()], factor, x);
+}
+
+/// Adds a multiple of Σ_k x_k c_k, of columns that may be kept in single precision.
+#[inline(always)]
+pub(super) fn add_combination<'a, T: Copy + Into<f64> + 'a>(
+    sum: &mut [f64],
+    column: impl Fn(usize) -> &'a [T],
+    factor: f64,
+    x: &[f64],
+) {
+    for (run, x) in x.chunks(AT_ONCE).enumerate() {
+        let of = |k: usize| column(run * AT_ONCE + k);
+        if let [a, b, c, d] = *x {
+            let [a, b, c, d] = [factor * a, factor * b, factor * c, factor * d];
+            let (first, second, third, fourth) = (of(0), of(1), of(2), of(3));
+            for (i, s) in sum.iter_mut().enumerate() {
+                *s += (a * first[i].into() + b * second[i].into()) + (c * third[i].into() + d * fourth[i].into());
+            }
+        } else {
+            for (k, x) in x.iter().enumerate() {
+                sum.iter_mut().zip(of(k)).for_each(|(s, c)| *s += factor * x * (*c).into());
+            }
         }
     }
 }

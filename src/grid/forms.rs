@@ -16,7 +16,7 @@
 use super::columns::add_matrix;
 use super::flux::{Flux, FluxTerm, Part, Value};
 use super::legendre::LegendreTable;
-use super::mesh::{Mesh, Role};
+use super::mesh::Mesh;
 use super::shape::{MOST, Place, Shape};
 use super::sides::{Across, Boundary, Fluxes};
 use crate::fokker_planck::Local;
@@ -96,42 +96,6 @@ impl<'a> Forms<'a> {
         let along = std::array::from_fn(|axis| if axis < shape.states { shape.along(axis) } else { Vec::new() });
         let products = products(shape, &flux);
         Forms { shape, flux, at_walls, products, quadrature, series, face, along }
-    }
-
-    /// ∫ (F·n)⁺ and ∫ (F·n)⁻ through each face, n along its axis or from what hits a wall to what comes back, by two nodes along each
-    /// state.
-    pub(super) fn carried(&self, mesh: &Mesh) -> Vec<[f64; 2]> {
-        let mut all = vec![[0.0; 2]; mesh.faces.len()];
-        let table = LegendreTable::new(0, Rule::legendre(2));
-        let mut local = self.flux.local();
-        for (number, segments) in mesh.segments.iter().enumerate() {
-            for segment in segments {
-                let Some(face) = segment.face else { continue };
-                let axis = segment.axis;
-                let area: f64 = self.shape.others(axis).map(|other| segment.extent.width[other]).product();
-                match segment.role {
-                    Role::Inner if segment.upper => {}
-                    // From what hits a wall to what comes back.
-                    Role::Hits(_) => {
-                        all[face][0] += area * segment.extent.centre(1);
-                        continue;
-                    }
-                    _ => continue,
-                }
-                let mut flat = segment.extent;
-                (flat.lower[axis], flat.width[axis]) = (mesh.cells[number].upper(axis), 0.0);
-                let nodes = table.len().pow(self.shape.states as u32 - 1);
-                for k in 0..nodes {
-                    let mut u = flat.lower;
-                    for (place, other) in self.shape.others(axis).enumerate() {
-                        u[other] = flat.at(other, table.nodes[k / table.len().pow(place as u32) % table.len()]);
-                    }
-                    let through = self.flux.at(u, &mut local).carrying[axis] * area / nodes as f64;
-                    all[face][usize::from(through < 0.0)] += through.abs();
-                }
-            }
-        }
-        all
     }
 
     /// The matrices of one cell.

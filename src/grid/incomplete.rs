@@ -1,7 +1,7 @@
 //! A matrix of blocks of equal size in sparse rows, and its incomplete factors L U on the same places (J. A. Meijerink and H. A. van der
 //! Vorst, 1977, doi:10.1090/S0025-5718-1977-0438681-4).
 
-use super::columns::AT_ONCE;
+use super::columns::add_combination;
 use crate::parallel;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -9,12 +9,6 @@ use pulp::{Arch, NullaryFnOnce};
 
 /// Rows whose products are one task.
 const ROWS: usize = 32;
-
-/// A number that a factor is kept in.
-trait Entry: Copy + Into<f64> {}
-
-impl Entry for f64 {}
-impl Entry for f32 {}
 
 /// The places of blocks: by row the columns, rising.
 #[derive(Debug)]
@@ -117,22 +111,9 @@ impl NullaryFnOnce for RowProducts<'_> {
 
 /// Adds a multiple of Σ_k x_k times the column `of`\[k\] of a block.
 #[inline(always)]
-fn add_block<T: Entry>(sum: &mut [f64], block: &[T], of: &[usize], factor: f64, x: &[f64]) {
+fn add_block<T: Copy + Into<f64>>(sum: &mut [f64], block: &[T], of: &[usize], factor: f64, x: &[f64]) {
     let size = sum.len();
-    let column = |k: usize| &block[of[k] * size..][..size];
-    for (first, x) in x.chunks(AT_ONCE).enumerate().map(|(run, x)| (run * AT_ONCE, x)) {
-        if let [a, b, c, d] = *x {
-            let [a, b, c, d] = [factor * a, factor * b, factor * c, factor * d];
-            let (one, two, three, four) = (column(first), column(first + 1), column(first + 2), column(first + 3));
-            for (i, s) in sum.iter_mut().enumerate() {
-                *s += (a * one[i].into() + b * two[i].into()) + (c * three[i].into() + d * four[i].into());
-            }
-        } else {
-            for (k, x) in x.iter().enumerate() {
-                sum.iter_mut().zip(column(first + k)).for_each(|(s, c)| *s += factor * x * (*c).into());
-            }
-        }
-    }
+    add_combination(sum, |k| &block[of[k] * size..][..size], factor, x);
 }
 
 /// The factors of a matrix without fill, rounded to single precision: as a preconditioner that is enough.

@@ -3,16 +3,16 @@
 //! A cell's own unknowns are eliminated as before. The matrix of faces that is left has blocks where two faces share a cell. It is
 //! solved by [generalised minimal residuals](super::krylov) after two preconditioners: the means and the slopes of all faces by
 //! [fronts](super::elimination), and what these leave by [incomplete factors](super::incomplete) in the order of the
-//! [drift](super::sweep). The number of steps hardly depends on the mesh.
+//! [drift](super::drift_order). The number of steps hardly depends on the mesh.
 
 use super::dissection::Front;
+use super::drift_order::along_drift;
 use super::elimination::{Cells, Factored};
 use super::incomplete::{BlockPlaces, BlockRows, Incomplete};
 use super::krylov;
 use super::operator::Layout;
 use super::panel::Panel;
 use super::shape::Shape;
-use super::sweep::along_drift;
 use crate::error::{Error, Result};
 use crate::parallel;
 use faer::Mat;

@@ -1,8 +1,9 @@
 //! A step in time for ∂p/∂t = −K(t) p.
 
+use super::factors::{Factors, Regular};
 use super::field::add_multiple as add;
 use super::flux::Part;
-use super::operator::{Factors, Layout, Operator, Regular, Traces};
+use super::operator::{Layout, Operator, Traces};
 use crate::envelope::Piece;
 use crate::error::Result;
 use crate::memory::MemoryLimit;

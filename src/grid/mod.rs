@@ -4,7 +4,7 @@
 //! - `tree`, `mesh`: cells as leaves of a tree, and the faces between them;
 //! - `flux`: the operator at a point; `sides`: what passes the sides of a cell; `forms`: the matrices of a cell and its faces; `operator`: those of all cells, and K + s;
 //! - `dissection`: the order of elimination; `elimination`, `panel`: LU factors of the unknowns of cells, of faces, of a group;
-//! - `iteration`: in three states the unknowns of faces by `krylov`'s method, after `incomplete` factors in the order of `sweep`;
+//! - `iteration`: in three states the unknowns of faces by `krylov`'s method, after `incomplete` factors in `drift_order`; `factors`: which of both;
 //! - `pilot`, `start`: where the density is, and the first mesh; `stationary`: the null vector of K, by `pins`, with `wells` that hardly
 //!   mix; `marking`, `refinement`: what a mesh does not resolve, and from a mesh to two solutions that agree; `line`: the closed form of
 //!   one state; `solve`: from a problem to the answer;
@@ -17,8 +17,10 @@
 mod columns;
 mod density;
 mod dissection;
+mod drift_order;
 mod elimination;
 mod evolution;
+mod factors;
 mod field;
 mod flux;
 mod forms;
@@ -46,7 +48,6 @@ mod solve;
 mod start;
 mod stationary;
 mod survival;
-mod sweep;
 mod tails;
 mod transient;
 mod tree;

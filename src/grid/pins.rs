@@ -4,8 +4,9 @@
 //! first function of a cell k, the pin, its strength unknown beforehand, makes up for the loss. It adds one number to the diagonal and
 //! nothing to the pattern, unlike a border, whose full row would fill the factors.
 
+use super::factors::{Factors, GridSolution, Regular};
 use super::field::GridField;
-use super::operator::{Factors, GridSolution, Operator, Regular};
+use super::operator::Operator;
 use crate::error::Result;
 use crate::parallel;
 

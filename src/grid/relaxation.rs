@@ -1,6 +1,7 @@
 //! The slowest relaxation rates: the spectrum next to zero.
 
-use super::operator::{Operator, Regular};
+use super::factors::Regular;
+use super::operator::Operator;
 use crate::error::Result;
 use crate::numerics::{eigenvalues, sort_by_number};
 use crate::transient::Relaxation;

@@ -3,9 +3,10 @@
 //! With [pins](super::pins) K is regular. Where nothing is lost, p_k = 1 at a single one and K p = 0 exactly. Several have one of the
 //! [wells](super::wells) each.
 
+use super::factors::{Factors, GridSolution};
 use super::field::GridField;
 use super::flux::Part;
-use super::operator::{Factors, GridSolution, Layout, Operator};
+use super::operator::{Layout, Operator};
 use super::pins::{Pin, Pinned};
 use super::wells::{Question, Wells};
 use crate::error::Result;

@@ -2,11 +2,12 @@
 
 use super::density::{GridDensity, estimate};
 use super::evolution::{Evolution, EvolutionPlan};
+use super::factors::Regular;
 use super::field::GridField;
 use super::flux::Part;
 use super::initial::Initial;
 use super::mesh::{Mesh, Side};
-use super::operator::{Layout, Operator, Regular};
+use super::operator::{Layout, Operator};
 use super::refinement::{Finer, finer};
 use super::relaxation::slowest;
 use super::shape::Shape;

@@ -6,8 +6,9 @@
 //! doi:10.1287/opre.33.5.1107). Since columns keep their sums, rounding changes what wells exchange by 3e-17 of what passes a pin at
 //! most: shares are determined up to barriers of some 28 temperatures. Beyond, those of trajectories stand for them.
 
+use super::factors::GridSolution;
 use super::field::GridField;
-use super::operator::{GridSolution, Operator};
+use super::operator::Operator;
 use super::pins::Pin;
 use crate::error::{Error, Result};
 use crate::grid::{HIDDEN, KEPT, ROUNDING, singular};

@@ -166,7 +166,7 @@ fn hysteresis_takes_its_power() -> Result<()> {
         // Four deviations of the velocity out, with the force at its other bound, no trajectory comes by; without an end of the trust domain
         // where exp(Q) rises it had 9e6 here for the exponent 1.
         let corner = density.joint_marginal([1, 2], [2.0, -0.99])?;
-        assert!(corner.value < 1e-3, "{exponent}: {corner}");
+        assert!(corner.value <= 0.0, "{exponent}: {corner}");
     }
     Ok(())
 }

@@ -130,9 +130,12 @@ fn densities_relax_as_their_moments() {
     let density = Grid::new().accuracy(3e-2).solve(&problem).unwrap();
     let modes = density.relaxation(3).unwrap();
     println!("{modes:?}");
-    assert!(modes[0].rate.abs() < 1e-3, "{modes:?}");
-    let slow = &modes[1];
-    assert!((slow.rate - 0.25).abs() < 1e-3 && (slow.frequency - 0.9375_f64.sqrt()).abs() < 1e-3, "{slow:?}");
+    // The first is what leaks at the edges, 3e-5 here; the others are within the differences of two degrees, 1e-3 and 4e-3.
+    assert!(modes[0].rate.abs() < 1e-4, "{modes:?}");
+    for (mode, [rate, frequency]) in modes[1..].iter().zip([[0.25, 0.9375_f64.sqrt()], [0.5, 0.0]]) {
+        let off = (mode.rate - rate).hypot(mode.frequency - frequency);
+        assert!(off < mode.error && mode.error < 5e-3, "{mode:?}");
+    }
     let start =
         Gaussian { mean: dvector![0.6, 0.0, 0.2], covariance: dmatrix![0.3, 0.0, 0.0; 0.0, 0.3, 0.0; 0.0, 0.0, 0.3] };
     let [a, b] = [

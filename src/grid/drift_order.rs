@@ -1,8 +1,41 @@
 //! The order of faces along the drift, in which an incomplete factorisation loses least.
 
-use super::mesh::Mesh;
+use super::flux::{Flux, Part};
+use super::mesh::{Mesh, Role};
+use crate::numerics::Rule;
+use crate::problem::Problem;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+
+/// ∫ (F·n)⁺ and ∫ (F·n)⁻ through each face, n along its axis or from what hits a wall to what comes back, by two nodes along each
+/// state.
+pub(super) fn carried(problem: &Problem, mesh: &Mesh, part: Part<'_>) -> Vec<[f64; 2]> {
+    let flux = Flux::new(problem, mesh.origin, part);
+    let (mut all, mut local, rule) = (vec![[0.0; 2]; mesh.faces.len()], flux.local(), Rule::legendre(2));
+    for segment in mesh.segments.iter().flatten() {
+        let Some(face) = segment.face else { continue };
+        let others: Vec<usize> = (0..mesh.dimension()).filter(|axis| *axis != segment.axis).collect();
+        let area: f64 = others.iter().map(|other| segment.extent.width[*other]).product();
+        match segment.role {
+            Role::Hits(_) => all[face][0] += area * segment.extent.centre(1),
+            Role::Inner if segment.upper => {
+                let mut u = segment.extent.lower;
+                u[segment.axis] = mesh.cells[mesh.faces[face][0]].upper(segment.axis);
+                let nodes = rule.nodes.len().pow(others.len() as u32);
+                for k in 0..nodes {
+                    for (place, other) in others.iter().enumerate() {
+                        let node = k / rule.nodes.len().pow(place as u32) % rule.nodes.len();
+                        u[*other] = segment.extent.at(*other, rule.nodes[node]);
+                    }
+                    let through = flux.at(u, &mut local).carrying[segment.axis] * area / nodes as f64;
+                    all[face][usize::from(through < 0.0)] += through.abs();
+                }
+            }
+            _ => {}
+        }
+    }
+    all
+}
 
 /// A cell that may be next, by the share of its inflow that is still to come.
 #[derive(PartialEq)]
