@@ -109,6 +109,9 @@ pub struct Provenance {
     pub nonzeros: Option<usize>,
     /// The limits of each state, lower and upper.
     pub domain: Option<Vec<[f64; 2]>>,
+    /// The matrix S of x = S y, by rows, where a grid's cells are boxes of other states y in which the density is rounder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shear: Option<Vec<Vec<f64>>>,
     /// The largest density at an open edge of the domain, relative to the peak of a normal density with the same ∫ p² dx.
     #[serde(with = "number::option")]
     pub edge_level: Option<f64>,

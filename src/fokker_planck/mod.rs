@@ -25,6 +25,7 @@ use crate::checks::require;
 use crate::error::{Error, Result};
 use crate::polynomial::{Arena, Frame, Polynomial, Symbol};
 use crate::system::Interpretation;
+use nalgebra::DMatrix;
 use num_dual::Dual64;
 
 /// The Fokker-Planck operator as polynomials: the Itô drift f, the diffusion matrix B = G Gᵀ, and impulses.
@@ -230,10 +231,14 @@ impl FokkerPlanck {
 
     /// The same operator for the scaled coordinates z of x = m + L z: drift L⁻¹f and diffusion L⁻¹B L⁻ᵀ.
     pub(crate) fn in_frame(&self, frame: &Frame) -> Self {
+        self.in_states(&frame.state_polynomials(), frame.inverse())
+    }
+
+    /// The same for any z of which the states are linear functions, with the matrix L⁻¹ of z.
+    pub(crate) fn in_states(&self, states: &[Polynomial], inverse: &DMatrix<f64>) -> Self {
         let n = self.dimension();
         let arena = Arena::new(n);
-        let state: Vec<Symbol<'_>> = frame.state_polynomials().into_iter().map(|p| arena.symbol(p)).collect();
-        let inverse = frame.inverse();
+        let state: Vec<Symbol<'_>> = states.iter().map(|p| arena.symbol(p.clone())).collect();
         let in_z = |p: &Polynomial| p.evaluate(&state).polynomial(n);
         let drift: Vec<Polynomial> = self.drift.iter().map(in_z).collect();
         let diffusion: Vec<Vec<Polynomial>> = self.diffusion.iter().map(|row| row.iter().map(in_z).collect()).collect();

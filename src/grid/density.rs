@@ -1,5 +1,7 @@
 use super::field::{Along, EVERYWHERE, GridField};
 use super::kept::Kept;
+use super::oblique;
+use super::shear::Shear;
 use crate::checks::{coordinate, dimension, point, require};
 use crate::density::{Crossing, Density, Evidence, pair, summary};
 use crate::error::Result;
@@ -36,6 +38,8 @@ pub struct GridDensity {
     pub(super) graded: bool,
     /// What the stationary density was solved with.
     pub(super) kept: Arc<Kept>,
+    /// The states that the mesh has axes for, where they are others than the problem's.
+    pub(super) shear: Option<Arc<Shear>>,
     pub(super) provenance: Provenance,
 }
 
@@ -47,16 +51,79 @@ impl fmt::Debug for GridDensity {
 }
 
 impl GridDensity {
+    /// A density of the states y of a shear as that of x = S y.
+    pub(super) fn in_states_of(mut self, shear: Shear) -> Self {
+        self.provenance.domain = Some(shear.around(&self.fine.mesh.domain()));
+        self.provenance.shear = Some((0..self.fine.shape.states).map(|state| shear.row(state).to_vec()).collect());
+        self.shear = Some(Arc::new(shear));
+        self
+    }
+
+    /// The value of a field of this density at a state.
+    pub(super) fn value(&self, field: &GridField, x: &[f64]) -> f64 {
+        self.shear.as_ref().map_or_else(|| field.value(x), |shear| field.value(&shear.coordinates(x)))
+    }
+
+    /// Its integral ∫ Π g_i(x_i) p dx.
+    pub(super) fn integral(&self, field: &GridField, factors: &[Along<'_>]) -> f64 {
+        let moved = |shear: &&Arc<Shear>| {
+            let mut used = (0..factors.len()).filter(|state| !matches!(factors[*state], Along::All));
+            used.any(|state| !shear.keeps(state))
+        };
+        let shear = self.shear.as_ref().filter(moved);
+        shear.map_or_else(|| field.integral(factors), |shear| oblique::integral(field, shear, factors))
+    }
+
+    /// Its sum of g(x) p over the nodes of a rule that is exact for moderate polynomials.
+    pub(super) fn mean(&self, field: &GridField, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> f64 {
+        let rule = field.shape.rule(4);
+        field.sum_over_nodes(&rule, |y, p| match &self.shear {
+            _ if p == 0.0 => 0.0,
+            Some(shear) => p * g(&shear.state(y)),
+            None => p * g(y),
+        })
+    }
+
+    /// ∫ Π x_i^p_i p dx.
+    pub(super) fn raw_moment(&self, field: &GridField, powers: &[u32]) -> f64 {
+        let power_of = |power: &u32| {
+            let power = *power as i32;
+            Box::new(move |x: f64| x.powi(power)) as Box<dyn Fn(f64) -> f64 + Sync>
+        };
+        let functions: Vec<_> = powers.iter().map(power_of).collect();
+        let along = functions.iter().zip(powers).map(|(g, power)| match power {
+            0 => Along::All,
+            _ => Along::Function(&**g, *power as usize, EVERYWHERE),
+        });
+        self.integral(field, &along.collect::<Vec<_>>())
+    }
+
+    /// ∫ |v|^power p(level, v) dv over the velocities of one sign.
+    pub(super) fn flux_of(&self, field: &GridField, crossing: Crossing, power: u32) -> f64 {
+        let range = if crossing.upward { [0.0, f64::INFINITY] } else { [f64::NEG_INFINITY, 0.0] };
+        let size = |v: f64| v.abs().powi(power as i32);
+        let along = |axis: usize| {
+            if axis == crossing.displacement {
+                Along::At(crossing.level)
+            } else if axis == crossing.velocity {
+                Along::Function(&size, power as usize, range)
+            } else {
+                Along::All
+            }
+        };
+        self.integral(field, &(0..field.shape.states).map(along).collect::<Vec<_>>())
+    }
+
     /// A flux moment with its error.
     fn passing(&self, crossing: Crossing, power: u32) -> Estimate {
-        let flux = self.estimate(|field| flux(field, crossing, power));
+        let flux = self.estimate(|field| self.flux_of(field, crossing, power));
         let lossy = self.fine.mesh.impacts().any(|(impact, _, r)| impact.level == crossing.level && r < 1.0);
         let unresolved = if lossy { unresolved(&self.fine, crossing, power) } else { 0.0 };
         Estimate::new(flux.value, flux.error + unresolved)
     }
 
     /// A linear statistic with its error.
-    fn estimate(&self, statistic: impl Fn(&GridField) -> f64) -> Estimate {
+    pub(super) fn estimate(&self, statistic: impl Fn(&GridField) -> f64) -> Estimate {
         estimate([&self.fine, &self.coarse], &self.changes, statistic)
     }
 }
@@ -71,7 +138,7 @@ impl Evidence for GridDensity {
     }
 
     fn problem(&self) -> Option<&Problem> {
-        Some(&self.kept.problem)
+        Some(self.shear.as_ref().map_or(&self.kept.problem, |shear| &shear.problem))
     }
 }
 
@@ -97,40 +164,40 @@ impl Density for GridDensity {
 
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {
         point(x, self.dimension())?;
-        Ok(self.estimate(|field| field.value(x)))
+        Ok(self.estimate(|field| self.value(field, x)))
     }
 
     /// ln p; −∞ outside the domain and where p is not positive.
     fn log_pdf(&self, x: &[f64]) -> Result<f64> {
         point(x, self.dimension())?;
-        let p = self.fine.value(x);
+        let p = self.value(&self.fine, x);
         Ok(if p > 0.0 { p.ln() } else { f64::NEG_INFINITY })
     }
 
     fn marginal(&self, state: usize, x: f64) -> Result<Estimate> {
         let state = coordinate("the state of a marginal", state, x, self.dimension())?;
-        Ok(self.estimate(|field| field.integral(&at(field, state, x))))
+        Ok(self.estimate(|field| self.integral(field, &at(field, state, x))))
     }
 
     fn joint_marginal(&self, states: [usize; 2], x: [f64; 2]) -> Result<Estimate> {
         let states = pair(states, x, self.dimension())?;
         let along = |axis: usize| (0..2).find(|k| states[*k] == axis).map_or(Along::All, |k| Along::At(x[k]));
-        let section = |field: &GridField| field.integral(&(0..self.dimension()).map(along).collect::<Vec<_>>());
+        let section = |field: &GridField| self.integral(field, &(0..self.dimension()).map(along).collect::<Vec<_>>());
         Ok(self.estimate(section))
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
-        self.fine.mesh.domain()
+        let domain = self.fine.mesh.domain();
+        self.shear.as_ref().map_or_else(|| domain.clone(), |shear| shear.around(&domain))
     }
 
     fn cells(&self) -> Vec<Vec<[f64; 2]>> {
-        self.fine.mesh.boxes()
+        if self.shear.is_some() { vec![self.bounds()] } else { self.fine.mesh.boxes() }
     }
 
     /// E[g(X)] over the cells' Gauss nodes; exact for polynomials of moderate degree.
     fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Result<Estimate> {
-        let rule = self.fine.shape.rule(4);
-        Ok(self.estimate(|field| field.sum_over_nodes(&rule, |x, p| if p == 0.0 { 0.0 } else { p * g(x) })))
+        Ok(self.estimate(|field| self.mean(field, g)))
     }
 
     /// The raw moment; its error has an estimate of the part beyond the domain: infinite where the density falls as a power of the
@@ -142,7 +209,7 @@ impl Density for GridDensity {
     fn moment(&self, powers: &[u32]) -> Result<Estimate> {
         dimension("the powers of a moment", powers.len(), self.dimension())?;
         powers.iter().try_for_each(|power| moderate(*power).map(|_| ()))?;
-        let moment = self.estimate(|field| raw_moment(field, powers));
+        let moment = self.estimate(|field| self.raw_moment(field, powers));
         Ok(Estimate::new(moment.value, moment.error + self.beyond(powers)))
     }
 
@@ -180,24 +247,6 @@ pub(super) fn at(field: &GridField, state: usize, x: f64) -> Vec<Along<'static>>
     (0..field.shape.states).map(|axis| if axis == state { Along::At(x) } else { Along::All }).collect()
 }
 
-/// ∫ Π x_i^p_i p dx.
-pub(super) fn raw_moment(field: &GridField, powers: &[u32]) -> f64 {
-    let functions: Vec<Box<dyn Fn(f64) -> f64 + Sync>> = powers
-        .iter()
-        .map(|power| {
-            Box::new({
-                let power = *power as i32;
-                move |x: f64| x.powi(power)
-            }) as Box<_>
-        })
-        .collect();
-    let along = functions.iter().zip(powers).map(|(g, power)| match power {
-        0 => Along::All,
-        _ => Along::Function(&**g, *power as usize, EVERYWHERE),
-    });
-    field.integral(&along.collect::<Vec<_>>())
-}
-
 /// How far the flux within the smallest cell is off next to a lossy wall. There the density is a power of the velocity, so that
 /// the fluxes of layers form a geometric series; by the second and the third one the first one is the sum of all below. It is
 /// doubled, since the error reaches the second layer: the true one was a quarter to a half of this for r from 0.5 to 0.8.
@@ -225,22 +274,6 @@ pub(super) fn unresolved(field: &GridField, crossing: Crossing, power: u32) -> f
     let [first, second, third] = [0, 1, 2].map(layer);
     let ratio = third / second;
     2.0 * if ratio > 1.0 { (first - second / (ratio - 1.0)).abs() } else { first.abs() }
-}
-
-/// ∫ |v|^power p(level, v) dv over the velocities of one sign.
-pub(super) fn flux(field: &GridField, crossing: Crossing, power: u32) -> f64 {
-    let range = if crossing.upward { [0.0, f64::INFINITY] } else { [f64::NEG_INFINITY, 0.0] };
-    let size = |v: f64| v.abs().powi(power as i32);
-    let along = |axis: usize| {
-        if axis == crossing.displacement {
-            Along::At(crossing.level)
-        } else if axis == crossing.velocity {
-            Along::Function(&size, power as usize, range)
-        } else {
-            Along::All
-        }
-    };
-    field.integral(&(0..field.shape.states).map(along).collect::<Vec<_>>())
 }
 
 impl fmt::Display for GridDensity {

@@ -10,7 +10,8 @@
 //!   one state; `solve`: from a problem to the answer;
 //! - `field`, `density`, `tails`, `kept`: the piecewise polynomial, the density made of it, what lies beyond its edges, and what further
 //!   questions need;
-//!   `sensitivity`: its derivatives by parameters;
+//!   `sensitivity`: its derivatives by parameters; `shear`: other states, in which a thin density is rounder, and `oblique`: integrals
+//!   over planes that then cut cells;
 //! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same operator;
 //! - `initial`, `evolution`, `transient`: a start, a mesh that follows the density, and p(x, t); `survival`: the part of it that has passed no level.
 
@@ -35,6 +36,7 @@ mod march;
 mod marking;
 mod mesh;
 mod narrow;
+mod oblique;
 mod operator;
 mod panel;
 mod pilot;
@@ -43,6 +45,7 @@ mod refinement;
 mod relaxation;
 mod sensitivity;
 mod shape;
+mod shear;
 mod sides;
 mod solve;
 mod start;
@@ -63,6 +66,7 @@ use crate::memory::MemoryLimit;
 use crate::problem::Problem;
 use crate::walls::Wall;
 use pilot::GridPilot;
+use shear::Shear;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
@@ -97,7 +101,9 @@ const SHARE: f64 = 0.5;
 /// state to three.
 ///
 /// 0 = −∂_i(f_i p) + ½ ∂_i∂_j(B_ij p) is solved in hybridised form, with upwind advection and an interior penalty for diffusion, on
-/// cells that are halved along any state where the solution is not resolved.
+/// cells that are halved along any state where the solution is not resolved. In three states, where one nearly follows the others in
+/// proportion, the cells are boxes of what is left of it beside the regressions on them, `shear` in the
+/// [`Provenance`](crate::Provenance).
 ///
 /// ```
 /// use expoly::{Density, Grid, models::{Duffing, Solved}};
@@ -222,7 +228,13 @@ impl Grid {
         problem.operator().require_reached(&[])?;
         let pilot = GridPilot::new(problem)?;
         let piloted = begin.elapsed().as_secs_f64();
-        let mut density = self.resolved(problem, walls, pilot, [false; 2])?;
+        let shear = if self.domain.is_none() { Shear::of(problem, &pilot) } else { None };
+        let mut density = match shear {
+            None => self.resolved(problem, walls, pilot, [false; 2])?,
+            Some(shear) => {
+                self.resolved(&shear.sheared()?, walls, shear.pilot(&pilot), [false; 2])?.in_states_of(shear)
+            }
+        };
         density.provenance.pilot_seconds = Some(piloted);
         density.provenance.seconds = begin.elapsed().as_secs_f64();
         Ok(density)

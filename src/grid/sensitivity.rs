@@ -1,6 +1,6 @@
 //! The derivative of a density on a grid by a parameter.
 
-use super::density::{GridDensity, at, estimate, flux, moderate, raw_moment, unresolved};
+use super::density::{GridDensity, at, estimate, moderate, unresolved};
 use super::field::{Along, EVERYWHERE, GridField, difference};
 use super::kept::Kept;
 use super::legendre::LegendreTable;
@@ -89,12 +89,12 @@ impl Sensitivity for GridSensitivity {
 
     fn pdf(&self, x: &[f64]) -> Result<Estimate> {
         point(x, self.dimension())?;
-        Ok(self.of_fixed(|field| field.value(x)))
+        Ok(self.of_fixed(|field| self.density.value(field, x)))
     }
 
     fn relative(&self, x: &[f64]) -> Result<f64> {
         point(x, self.dimension())?;
-        Ok(self.fixed[0].value(x) / self.density.fine.value(x))
+        Ok(self.density.value(&self.fixed[0], x) / self.density.value(&self.density.fine, x))
     }
 
     fn size(&self) -> f64 {
@@ -112,7 +112,7 @@ impl Sensitivity for GridSensitivity {
     fn expectation(&self, g: &(dyn Fn(&[f64]) -> f64 + Sync)) -> Estimate {
         self.of_moving(|moving, p| {
             let fixed = if self.motion.moves() { carried(p, moving, &self.motion) } else { moving.clone() };
-            let inner = fixed.sum_over_nodes(&fixed.shape.rule(4), |x, p| p * g(x));
+            let inner = self.density.mean(&fixed, g);
             inner + if self.motion.moves() { crossed(p, &self.motion, g) } else { 0.0 }
         })
     }
@@ -133,7 +133,7 @@ impl Sensitivity for GridSensitivity {
                 ];
                 carried = p.integral(&factors);
             }
-            raw_moment(moving, powers) + carried
+            self.density.raw_moment(moving, powers) + carried
         });
         let error = moment.error + self.density.beyond(powers);
         Ok(Estimate::new(moment.value, error))
@@ -146,7 +146,7 @@ impl Sensitivity for GridSensitivity {
             let along = |axis: usize| {
                 if axis == state { Along::Function(&one, 0, [level, f64::INFINITY]) } else { Along::All }
             };
-            let above = moving.integral(&(0..self.dimension()).map(along).collect::<Vec<_>>());
+            let above = self.density.integral(moving, &(0..self.dimension()).map(along).collect::<Vec<_>>());
             let through = if state == 0 && self.motion.moves() {
                 self.motion.rate(level) * p.integral(&at(p, 0, level))
             } else {
@@ -160,23 +160,23 @@ impl Sensitivity for GridSensitivity {
         coordinate("the state of a marginal", state, x, self.dimension())?;
         // Over the displacement the integral follows the walls.
         Ok(if state == 0 {
-            self.of_fixed(|field| field.integral(&at(field, state, x)))
+            self.of_fixed(|field| self.density.integral(field, &at(field, state, x)))
         } else {
-            self.of_moving(|moving, _| moving.integral(&at(moving, state, x)))
+            self.of_moving(|moving, _| self.density.integral(moving, &at(moving, state, x)))
         })
     }
 
     fn upcrossing_rate(&self, level: f64) -> Result<Estimate> {
         let crossing = Crossing::upward(finite("level", level)?);
         crossing.states(self.dimension())?;
-        Ok(self.of_fixed(|field| flux(field, crossing, 1)))
+        Ok(self.of_fixed(|field| self.density.flux_of(field, crossing, 1)))
     }
 
     fn impact_rate(&self) -> Option<Estimate> {
         // At the walls themselves p = q over dx/dξ.
         let at_wall = |moving: &GridField, p: &GridField| moving.plus(-self.motion.shift[1], p);
         let rate = |(crossing, side, r): (Crossing, usize, f64)| {
-            let rate = self.of_moving(|moving, p| flux(&at_wall(moving, p), crossing, 1));
+            let rate = self.of_moving(|moving, p| self.density.flux_of(&at_wall(moving, p), crossing, 1));
             let grazed = r < 1.0 || self.motion.restitution[side] != 0.0;
             let own = at_wall(&self.moving[0], &self.density.fine);
             Estimate::new(rate.value, rate.error + if grazed { unresolved(&own, crossing, 1) } else { 0.0 })
@@ -210,7 +210,11 @@ impl GridDensity {
     /// ```
     pub fn sensitivities(&self, parameters: &[&str]) -> Result<Vec<GridSensitivity>> {
         let Kept { problem, walls, grid, pilot, .. } = &*self.kept;
-        let motion = |name: &&str| Ok(problem.motion(name)?.on_plane(problem));
+        let motion = |name: &&str| {
+            let Some(shear) = &self.shear else { return Ok(problem.motion(name)?.on_plane(problem)) };
+            let motion = shear.problem.motion(name)?.on_plane(&shear.problem);
+            Ok(PlaneMotion { operator: shear.operator(&motion.operator), ..motion })
+        };
         let motions: Vec<PlaneMotion> = parameters.iter().map(motion).collect::<Result<_>>()?;
         if problem.dimension() > 2 && motions.iter().any(|motion| motion.moves() || motion.restitution != [0.0; 2]) {
             let (what, remedy) = (

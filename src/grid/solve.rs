@@ -182,6 +182,7 @@ impl Grid {
             edges,
             graded: false,
             kept: Arc::new(kept),
+            shear: None,
             provenance,
         };
         // What lies beyond the edges is not within the domain.
@@ -197,7 +198,8 @@ impl Grid {
         l1_estimate: f64,
         (cut, exhausted, changed): (Option<f64>, Option<Exhausted>, f64),
     ) -> Option<String> {
-        let in_space = fine.density.field.shape.states > 2;
+        let states = fine.density.field.shape.states;
+        let (in_space, target) = (states > 2, self.target(states));
         if !fine.wells.determined {
             Some(format!(
                 "the shares of {} wells are not determined by the equation, since they exchange less than rounding: they are those of trajectories",
@@ -208,7 +210,7 @@ impl Grid {
                 "the domain loses {:.1e} per unit time at its edges, where the density is {edge_level:.1e} of its peak: its tails are heavy",
                 fine.leak.lost
             ))
-        } else if let Some(what) = exhausted {
+        } else if let Some(what) = exhausted.filter(|_| l1_estimate > target) {
             let why = match what {
                 Exhausted::Memory if in_space => {
                     "the density is too thin for the memory; raise `memory_limit`, or take the closure or the simulation"
@@ -220,7 +222,7 @@ impl Grid {
             Some(format!(
                 "the mesh has {cells} cells and an estimate of {l1_estimate:.1e}, above the accuracy asked for: {why}"
             ))
-        } else if l1_estimate > self.target(fine.density.field.shape.states) {
+        } else if l1_estimate > target {
             Some(format!(
                 "the estimate is {l1_estimate:.1e}, above the accuracy asked for: rounding, leaks and the shares of wells that exchange little leave {changed:.1e} open, which no finer mesh lowers"
             ))

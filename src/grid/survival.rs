@@ -63,6 +63,13 @@ impl GridDensity {
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn survival(&self, within: [f64; 2]) -> Result<Survival> {
+        if self.shear.is_some() {
+            let (what, remedy) = (
+                "survival where the density is so thin that its states were sheared",
+                "take the simulation, or the method of images of its trajectories",
+            );
+            return Err(Error::NotServed { method: "grid", what, remedy });
+        }
         if self.fine.shape.states > 1 && self.kept.problem.velocity_of(0) != Some(1) {
             return Err(Error::NotADisplacement { state: 0 });
         }

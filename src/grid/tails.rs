@@ -1,7 +1,6 @@
 //! What lies beyond the domain, by the marginal density next to its edges.
 
 use super::density::{GridDensity, at};
-use crate::density::Density;
 use std::f64::consts::{SQRT_2, TAU};
 
 /// The marginal density at an edge, continued, over what is left of it there: an edge that lets out has less next to it.
@@ -19,15 +18,29 @@ impl GridDensity {
     /// powers that exceeds the difference of the two degrees.
     pub(super) fn beyond(&self, powers: &[u32]) -> f64 {
         let mesh = &self.fine.mesh;
-        let sides = (0..powers.len()).flat_map(|state| [(state, 0), (state, 1)]);
-        let open = sides.filter(|(state, side)| mesh.open(*state, *side));
-        let of = |(state, side): (usize, usize)| {
-            let own = self.power_beyond(state, side, powers[state]).or_else(|| {
-                let leaks = self.edges.iter().any(|edge| (edge.0, edge.1) == (state, side));
-                leaks.then(|| self.normal_beyond(state, side, powers[state]))
-            });
-            let others = (0..powers.len()).filter(|other| *other != state);
-            own.map_or(0.0, |own| own * others.map(|other| self.size(other, powers[other])).product::<f64>())
+        let sides = (0..powers.len()).flat_map(|axis| [(axis, 0), (axis, 1)]);
+        let open = sides.filter(|(axis, side)| mesh.open(*axis, *side));
+        let beyond = |(axis, side): (usize, usize), power: u32| {
+            self.power_beyond(axis, side, power).or_else(|| {
+                let leaks = self.edges.iter().any(|edge| (edge.0, edge.1) == (axis, side));
+                leaks.then(|| self.normal_beyond(axis, side, power))
+            })
+        };
+        let of = |(axis, side): (usize, usize)| match &self.shear {
+            None => beyond((axis, side), powers[axis]).map_or(0.0, |own| {
+                let others = (0..powers.len()).filter(|other| *other != axis);
+                own * others.map(|other| self.size(other, powers[other])).product::<f64>()
+            }),
+            // There each state is as large as that of the edge and its own deviation together.
+            Some(shear) => beyond((axis, side), 0).map_or(0.0, |own| {
+                let edge = mesh.domain()[axis][side];
+                let used = (0..powers.len()).filter(|state| powers[*state] > 0);
+                let size = |state: usize| {
+                    let square = self.mean(&self.fine, &|x| x[state].powi(2));
+                    ((shear.row(state)[axis] * edge).abs() + square.abs().sqrt()).powi(powers[state] as i32)
+                };
+                own * used.map(size).product::<f64>()
+            }),
         };
         open.map(of).sum()
     }
@@ -43,11 +56,12 @@ impl GridDensity {
         let edge = self.fine.mesh.domain()[state][side];
         let mean = self.fine.integral_over(state, &|x| x, 1);
         // Not up to the edge, next to which a leak takes away.
-        let at = |share: f64| {
-            let p = self.marginal(state, mean + share * (edge - mean)).ok()?;
+        let near = |share: f64| {
+            let place = at(&self.fine, state, mean + share * (edge - mean));
+            let p = self.estimate(|field| field.integral(&place));
             (p.value > 3.0 * p.error).then_some(p.value)
         };
-        let [inner, middle, outer] = [at(0.4)?, at(0.4 * SQRT_2)?, at(0.8)?];
+        let [inner, middle, outer] = [near(0.4)?, near(0.4 * SQRT_2)?, near(0.8)?];
         let [first, exponent] = [inner / middle, middle / outer].map(|ratio| ratio.ln() / SQRT_2.ln());
         let falls = first > 0.0 && exponent < STEADY * first;
         let left = (exponent - f64::from(power) - 1.0).max(0.0);

@@ -6,7 +6,6 @@ use super::field::{GridField, difference};
 use super::initial::Initial;
 use super::relaxation::slowest;
 use crate::checks::require;
-use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::grid::require_accuracy;
 use crate::transient::{Course, Relaxation, Transient, check_times};
@@ -39,14 +38,14 @@ impl GridDensity {
     /// ```
     pub fn relaxation(&self, count: usize) -> Result<Vec<Relaxation>> {
         // The growth of a state's variance by the noise per unit time over twice its second moment: a rate of the right size.
-        let rate = |state: usize| -> Result<f64> {
+        let rate = |state: usize| {
             let injected = &self.kept.problem.operator().diffusion()[state][state];
-            Ok(self.expectation(&|x| injected.evaluate(x))?.value / 2.0 / self.variance(state)?.value)
+            let rule = self.fine.shape.rule(4);
+            let mean = |g: &(dyn Fn(&[f64]) -> f64 + Sync)| self.fine.sum_over_nodes(&rule, |y, p| p * g(y));
+            let middle = mean(&|y| y[state]);
+            mean(&|y| injected.evaluate(y)) / 2.0 / mean(&|y| (y[state] - middle).powi(2))
         };
-        let mut shift = f64::MIN_POSITIVE;
-        for state in 0..self.fine.shape.states {
-            shift = shift.max(rate(state)?);
-        }
+        let shift = (0..self.fine.shape.states).map(rate).fold(f64::MIN_POSITIVE, f64::max);
         let [fine, coarse] = &self.kept.solutions;
         slowest([&fine.operator, &coarse.operator], shift / 4.0, count)
     }
@@ -87,7 +86,8 @@ impl GridDensity {
         times: &[f64],
         (accuracy, most_spent): (f64, f64),
     ) -> Result<Vec<Transient<Self>>> {
-        let (start, envelope) = (&course.start, course.envelope.as_ref());
+        let sheared = self.shear.as_ref().map(|shear| shear.start(&course.start)).transpose()?;
+        let (start, envelope) = (sheared.as_ref().unwrap_or(&course.start), course.envelope.as_ref());
         require_accuracy("accuracy of a transient", accuracy)?;
         let ground = self.kept.ground(self.fine.mesh.domain(), self.fine.mesh.sides, accuracy);
         let [first, last] = [times.first(), times.last()].map(|time| time.copied().unwrap_or(0.0));

@@ -15,37 +15,45 @@ pub(crate) struct Rule {
     pub(crate) weights: Vec<f64>,
 }
 
-/// Legendre's rules of up to so many nodes are made once.
+/// Rules of fewer nodes than this are made once.
 const KEPT: usize = 256;
-static LEGENDRE: [OnceLock<Rule>; KEPT] = [const { OnceLock::new() }; KEPT];
+type Made = [OnceLock<Rule>; KEPT];
+static LEGENDRE: Made = [const { OnceLock::new() }; KEPT];
+static HERMITE: Made = [const { OnceLock::new() }; KEPT];
+static LAGUERRE: Made = [const { OnceLock::new() }; KEPT];
 
 impl Rule {
-    /// ∫₋₁¹ g(x) dx, exact for degree 2`count` − 1.
-    pub(crate) fn legendre(count: usize) -> Self {
-        match LEGENDRE.get(count) {
-            Some(kept) => kept.get_or_init(|| Self::made_by_legendre(count)).clone(),
-            None => Self::made_by_legendre(count),
+    /// The rule of a family, as it was made before.
+    fn kept(made: &Made, count: usize, make: impl FnOnce() -> Self) -> Self {
+        match made.get(count) {
+            Some(kept) => kept.get_or_init(make).clone(),
+            None => make(),
         }
     }
 
-    fn made_by_legendre(count: usize) -> Self {
-        let beta = |k: f64| k / (4.0 * k * k - 1.0).sqrt();
-        let recurrence = Recurrence::symmetric(count, 2.0, beta);
-        // Francesco Tricomi's asymptotic nodes are close enough for Newton's method, and need no eigenvalues.
-        let angle = |i: usize| std::f64::consts::PI * (i as f64 + 0.75) / (count as f64 + 0.5);
-        recurrence.rule((0..count).rev().map(|i| angle(i).cos()).collect())
+    /// ∫₋₁¹ g(x) dx, exact for degree 2`count` − 1.
+    pub(crate) fn legendre(count: usize) -> Self {
+        Self::kept(&LEGENDRE, count, || {
+            let beta = |k: f64| k / (4.0 * k * k - 1.0).sqrt();
+            let recurrence = Recurrence::symmetric(count, 2.0, beta);
+            // Francesco Tricomi's asymptotic nodes are close enough for Newton's method, and need no eigenvalues.
+            let angle = |i: usize| std::f64::consts::PI * (i as f64 + 0.75) / (count as f64 + 0.5);
+            recurrence.rule((0..count).rev().map(|i| angle(i).cos()).collect())
+        })
     }
 
     /// E[g(Z)] for a standard normal Z, exact for degree 2`count` − 1.
     pub(crate) fn hermite(count: usize) -> Self {
-        Recurrence::symmetric(count, 1.0, f64::sqrt).golub_welsch()
+        Self::kept(&HERMITE, count, || Recurrence::symmetric(count, 1.0, f64::sqrt).golub_welsch())
     }
 
     /// E[g(Y)] for Y > 0 with the density exp(−y), exact for degree 2`count` − 1.
     pub(crate) fn laguerre(count: usize) -> Self {
-        let alpha = (0..count).map(|k| 2.0 * k as f64 + 1.0).collect();
-        let beta = (1..=count).map(|k| k as f64).collect();
-        Recurrence { alpha, beta, mass: 1.0 }.golub_welsch()
+        Self::kept(&LAGUERRE, count, || {
+            let alpha = (0..count).map(|k| 2.0 * k as f64 + 1.0).collect();
+            let beta = (1..=count).map(|k| k as f64).collect();
+            Recurrence { alpha, beta, mass: 1.0 }.golub_welsch()
+        })
     }
 
     /// The rule of `count` nodes for the measure that `self` stands for, exact for degree 2`count` − 1 as long as `self`

@@ -7,7 +7,7 @@ mod expression;
 mod family;
 mod gaussian_closure;
 mod impulses;
-mod mirror;
+mod in_states;
 mod modulated_moments;
 mod motion;
 mod surfaces;

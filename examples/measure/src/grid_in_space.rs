@@ -1,7 +1,7 @@
 //! How accurate is the grid in three states, and what does it take?
 //!
 //! An oscillator and a Duffing oscillator under filtered noise, the system of Lorenz with noise on each state, two wells under filtered
-//! noise, and a harvester whose density is a thin curved sheet. The distance in L¹ is that from a Gaussian where the system is linear,
+//! noise, and a harvester whose density is a thin sheet, flat or curved. The distance in L¹ is that from a Gaussian where the system is linear,
 //! and otherwise from a grid of a third of the accuracy or less; moments are those of long simulations or by other grids.
 
 use crate::Outcome;
@@ -51,7 +51,7 @@ pub(crate) struct System {
     known: &'static [([u32; 3], f64, f64)],
 }
 
-pub(crate) const SYSTEMS: [System; 5] = [
+pub(crate) const SYSTEMS: [System; 6] = [
     System {
         name: "linear, filtered noise",
         text: "states = ['x', 'v', 'y']\ndrift = { x = 'v', v = '-0.5*v - x + y', y = '-y' }\nnoise.w.y = '1'",
@@ -82,7 +82,14 @@ pub(crate) const SYSTEMS: [System; 5] = [
         known: &[([2, 0, 0], 65.99, 0.02), ([0, 2, 0], 81.46, 0.02)],
     },
     System {
-        name: "harvester",
+        name: "harvester, linear spring",
+        text: include_str!("../../../tests/cases/harvester-linear.toml"),
+        linear: true,
+        accuracies: &[[1e-2, 0.0], [1e-3, 0.0]],
+        known: &[([2, 0, 0], 0.952_155_4, 0.0), ([0, 0, 2], 0.473_709_1, 0.0)],
+    },
+    System {
+        name: "harvester, two wells",
         text: include_str!("../../../tests/cases/harvester-bistable.toml"),
         linear: false,
         accuracies: &[[0.1, 0.0]],

@@ -1,8 +1,12 @@
 //! The answers of several methods to one problem, beside each other.
 
 use crate::figure::{Drawn, Style};
+use crate::json::{Number, Sampled};
+use crate::progress::{simulation_bar, spinner};
+use crate::text::{origin, short, shown};
 use expoly::{
-    Basis, Closure, Density, ExpPolynomial, Method, Polynomial, Problem, Provenance, Result, Solution, Termination,
+    Basis, Closure, Density, Estimate, ExpPolynomial, Grid, Histogram, Method, Polynomial, Problem, Provenance, Result,
+    Simulation, Solution, Termination, compare,
 };
 use serde_json::{Map, Value, to_value};
 use std::time::Instant;
@@ -16,6 +20,8 @@ pub struct Answer {
     pub name: String,
     /// None where the method has none.
     pub density: Option<Box<dyn Density>>,
+    /// What it is compared by; none without a density.
+    pub values: Option<Vec<Estimate>>,
     /// exp(Q) of a root that is no density, cut off at a box.
     pub cut_off: Option<ExpPolynomial>,
     /// How it came about.
@@ -25,10 +31,40 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// A density by the grid or by a simulation.
-    pub fn of(method: &'static str, density: impl Density + 'static) -> Self {
+    /// The grid's.
+    ///
+    /// # Errors
+    /// Those of the grid.
+    pub fn grid(problem: &Problem, grid: &Grid) -> Result<Self> {
+        let sign = spinner("grid");
+        let density = grid.solve(problem)?;
+        sign.finish_and_clear();
+        Ok(Answer::of("grid", density))
+    }
+
+    /// A simulation's, with its histogram of the first state and its balance of the first oscillator's energy.
+    ///
+    /// # Errors
+    /// Those of the simulation.
+    pub fn simulation(problem: &Problem, simulation: Simulation<'_>) -> Result<(Self, Histogram, Estimate)> {
+        let (bar, callback) = simulation_bar("simulation");
+        let density = simulation.progress(callback).run(problem)?;
+        bar.finish_and_clear();
+        let (histogram, balance) = (density.histogram(0)?.clone(), density.energy_balance()[0]);
+        Ok((Answer::of("simulation", density), histogram, balance))
+    }
+
+    fn of(method: &'static str, density: impl Density + 'static) -> Self {
         let made = density.provenance().clone();
-        Answer { method, name: method.into(), density: Some(Box::new(density)), cut_off: None, made, upwards: None }
+        Answer {
+            method,
+            name: method.into(),
+            density: Some(Box::new(density)),
+            values: None,
+            cut_off: None,
+            made,
+            upwards: None,
+        }
     }
 
     /// A robust closure's.
@@ -72,12 +108,14 @@ impl Answer {
         (made.order, made.seconds) = (Some(order), begin.elapsed().as_secs_f64());
         let upwards = solution.filter(|solution| solution.termination() == Termination::NotNormalisable);
         let upwards = upwards.map(Solution::log_polynomial);
-        Ok(Answer { method, name, density, cut_off: None, made, upwards })
+        Ok(Answer { method, name, density, values: None, cut_off: None, made, upwards })
     }
 
-    /// Cuts the exp(Q) of a root that is no density off at a box, so that it can be drawn and compared.
-    pub fn cut_off_at(&mut self, region: &[[f64; 2]]) {
-        self.cut_off = self.upwards.as_ref().and_then(|q| ExpPolynomial::cut_off(q, region).ok());
+    /// Cuts the exp(Q) of a root that is no density off where another answer ends, so that it can be drawn and compared.
+    pub fn cut_off_at(&mut self, other: &Answer) {
+        let region = other.density.as_ref().map(|density| density.bounds());
+        self.cut_off =
+            self.upwards.as_ref().zip(region).and_then(|(q, region)| ExpPolynomial::cut_off(q, &region).ok());
     }
 
     /// What can be drawn and compared.
@@ -97,11 +135,56 @@ impl Answer {
         Some((format!("{}{error}{doubt}", self.name), style, colour, self.shown()?))
     }
 
-    /// The part of a JSON object that it stands in, and what that says of its origin.
+    /// Its L¹ distance in the first state to a histogram and that beyond the histogram's tails, and its joint L¹ distance to a
+    /// grid's density, as they stand in a table: in brackets for exp(Q) cut off, a dash for a method and its own.
+    pub fn distances(&self, grid: Option<&dyn Density>, histogram: Option<&Histogram>) -> [String; 3] {
+        let beside = histogram.filter(|_| self.method != "simulation").zip(self.shown());
+        let beside = beside.and_then(|(histogram, density)| compare::with_histogram(density, 0, histogram).ok());
+        let joint = grid.filter(|_| !["simulation", "grid"].contains(&self.method)).zip(self.shown());
+        let joint = joint.and_then(|(grid, density)| compare::l1(density, grid).ok());
+        let own =
+            [beside.as_ref().map(|found| found.l1), beside.map(|found| found.tail), joint.map(|found| found.value)];
+        own.map(short).map(|text| if self.cut_off.is_some() { format!("({text})") } else { text })
+    }
+
+    /// A line under a table for a warning or a refusal; empty without one.
+    pub fn remark(&self) -> String {
+        let text = self.made.warning.as_ref().or(self.made.refusal.as_ref());
+        text.map_or_else(String::new, |text| format!("  {}: {text}\n", self.name))
+    }
+
+    /// How a closure ended, or the size of a grid or a simulation.
+    pub fn ended(&self) -> String {
+        let made = &self.made;
+        let steps = || Some(format!("{:.1e} steps", made.path_steps? as f64));
+        let size = made.cells.map(|cells| format!("{cells} cells")).or_else(steps);
+        shown(made.termination.clone().or(size))
+    }
+
+    /// How it came about, for a caption, with a closure's basis.
+    pub fn origin(&self) -> String {
+        let basis = self.made.basis.as_ref().map_or_else(String::new, |basis| format!(", {basis} basis"));
+        origin(&self.made) + &basis
+    }
+
+    /// A value in JSON: a number, or of a simulation an estimate with its standard error.
+    fn value(&self, name: &'static str, of: &Estimate) -> serde_json::Result<Value> {
+        match self.method {
+            "simulation" => to_value(Sampled::new(name, *of)),
+            _ => to_value(Number::new(name, of.value)),
+        }
+    }
+
+    /// The part of a JSON object that it stands in, and what that says of its origin and its values: the first ones by these
+    /// names, the others a list, and all of them null without a density.
     ///
     /// # Errors
-    /// None; every provenance is JSON.
-    pub fn json(&self) -> serde_json::Result<(&'static str, Map<String, Value>)> {
+    /// For a value that is no finite number.
+    pub fn json(
+        &self,
+        names: &[&'static str],
+        rest: &'static str,
+    ) -> serde_json::Result<(&'static str, Map<String, Value>)> {
         let (part, fields): (_, &[&str]) = match self.method {
             "simulation" => ("simulation", &["warning", "seed", "path_steps", "time_step", "seconds"]),
             "grid" => ("grid", &["degree", "cells", "unknowns", "iterations", "seconds"]),
@@ -118,6 +201,13 @@ impl Answer {
         } else if part == "grid" {
             object.insert("error_estimate".into(), made["l1_estimate"].clone());
         }
+        for (k, &name) in names.iter().enumerate() {
+            let value = self.values.as_ref().map(|values| self.value(name, &values[k]));
+            object.insert(name.into(), value.transpose()?.into());
+        }
+        let list = |values: &[Estimate]| values.iter().map(|value| self.value(rest, value)).collect();
+        let list = self.values.as_ref().map(|values| list(&values[names.len()..])).transpose()?;
+        object.insert(rest.into(), list.map(Value::Array).into());
         Ok((part, object))
     }
 }

@@ -11,6 +11,7 @@ pub mod json;
 pub mod models;
 pub mod optimum;
 pub mod orders;
+pub mod oscillator;
 pub mod page;
 pub mod progress;
 pub mod text;

@@ -3,7 +3,7 @@
 use crate::models::{About, Exact, Model, models};
 use clap::{Args, ValueEnum};
 use expoly::study::Case;
-use expoly::{Closure, Density, Grid, Problem, Simulation, Weight};
+use expoly::{Basis, Closure, Density, Grid, Problem, Simulation, Weight};
 
 /// By which methods models are closed, and what they are compared with.
 #[derive(Clone, Debug, Args)]
@@ -138,5 +138,17 @@ pub fn weight(text: &str) -> Result<Weight, String> {
         "auto" => Ok(Weight::Automatic),
         "density" => Ok(Weight::Density),
         share => share.parse().map(Weight::Tails).map_err(|_| String::from("give auto, density or the tails' share")),
+    }
+}
+
+/// The basis of the classical closure as an option.
+///
+/// # Errors
+/// For a word that is none of these.
+pub fn basis(text: &str) -> Result<Basis, String> {
+    match text {
+        "classical" => Ok(Basis::Classical),
+        "folded" => Ok(Basis::Folded),
+        _ => Err(String::from("give classical or folded")),
     }
 }
