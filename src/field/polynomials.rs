@@ -26,6 +26,8 @@ pub(crate) struct PolynomialField {
     /// Where noise and a jump of the drift act together, and half of each jump.
     bridges: Vec<Bridge>,
     pushes: Sums,
+    /// Whether some depend on a state of another bridge.
+    pushes_move: bool,
 }
 
 impl PolynomialField {
@@ -57,6 +59,7 @@ impl PolynomialField {
             diffusion: Sums::of(n, &diffusion),
             bridges: Vec::new(),
             pushes: Sums::of(n, &[]),
+            pushes_move: false,
             ito: Sums::of(n, &ito),
         }
     }
@@ -70,14 +73,34 @@ impl PolynomialField {
         let n = rest.len();
         let along = vec![Polynomial::zero(n); n];
         let drift = Sums::of(n, &[rest, &along].concat());
-        PolynomialField { bridges, pushes: Sums::of(n, pushes), drift, ..self }
+        let on_another = |(own, push): (&Bridge, &Polynomial)| {
+            bridges.iter().any(|other| other.state != own.state && push.contains(other.state))
+        };
+        let pushes_move = bridges.iter().zip(pushes).any(on_another);
+        PolynomialField { bridges, pushes: Sums::of(n, pushes), pushes_move, drift, ..self }
     }
 
     /// Adds the noise to the states, with what acts together with it.
     #[inline(never)]
     fn cross<T: Number>(&self, x: &mut [T], w: &[T], kicks: &Kicks<'_>) {
-        let mut pushes = vec![T::everywhere(0.0); self.bridges.len()];
-        self.pushes.on_all(x, &mut pushes, &mut Vec::new());
+        let pushes_at = |x: &[T]| {
+            let mut pushes = vec![T::everywhere(0.0); self.bridges.len()];
+            self.pushes.on_all(x, &mut pushes, &mut Vec::new());
+            pushes
+        };
+        let (mut pushes, before) = (pushes_at(x), x.to_vec());
+        self.cross_by(&pushes, x, w, kicks);
+        // Next to its place a state moves by the root of a step in the mean, and with it what it does to others.
+        if self.pushes_move {
+            let after = pushes_at(x);
+            pushes.iter_mut().zip(after).for_each(|(push, after)| *push = (*push + after) * 0.5);
+            x.copy_from_slice(&before);
+            self.cross_by(&pushes, x, w, kicks);
+        }
+    }
+
+    /// The same with these pushes.
+    fn cross_by<T: Number>(&self, pushes: &[T], x: &mut [T], w: &[T], kicks: &Kicks<'_>) {
         let before = x.to_vec();
         add_noise(x, w, kicks.noise);
         for (bridge, push) in self.bridges.iter().zip(pushes) {

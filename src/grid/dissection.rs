@@ -78,8 +78,8 @@ impl Front {
 fn keys(mesh: &Mesh) -> Vec<Vec<f64>> {
     let mut keys: Vec<Vec<f64>> =
         (0..mesh.dimension()).map(|axis| mesh.cells.iter().map(|cell| cell.centre(axis)).collect()).collect();
-    if mesh.sides.iter().any(|side| matches!(side, Side::Wall(_))) {
-        let restitution = mesh.sides.map(|side| if let Side::Wall(r) = side { r } else { 1.0 });
+    if mesh.sides[0].iter().any(|side| matches!(side, Side::Wall(_))) {
+        let restitution = mesh.sides[0].map(|side| if let Side::Wall(r) = side { r } else { 1.0 });
         let before = |v: f64| if v < 0.0 { -v * restitution[0] } else { v * restitution[1] };
         keys.push(keys[1].iter().map(|v| before(*v)).collect());
     }

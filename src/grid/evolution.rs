@@ -286,7 +286,7 @@ impl<'a> Evolution<'a> {
     fn joined(&self, mesh: &Mesh, share: f64) -> Option<Mesh> {
         let field = &self.fields[0];
         let mut pairs = mesh.tree.joinable(&self.base);
-        let all = Arc::new(Mesh::new(mesh.origin, mesh.tree.joined(&pairs), mesh.sides));
+        let all = Arc::new(Mesh::within(mesh.origin, mesh.tree.joined(&pairs), mesh.sides));
         let highest = field.carried(&all, field.shape).highest();
         pairs.retain(|node| {
             let there = all.locate(&mesh.middle(&mesh.tree.cell(*node)));
@@ -297,7 +297,7 @@ impl<'a> Evolution<'a> {
         }
         let mut tree = mesh.tree.joined(&pairs);
         tree.balance();
-        Some(Mesh::new(mesh.origin, tree, mesh.sides))
+        Some(Mesh::within(mesh.origin, tree, mesh.sides))
     }
 }
 

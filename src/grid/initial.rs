@@ -134,7 +134,7 @@ impl Initial {
             InitialLaw::Stationary => return Ok(()),
             InitialLaw::Gaussian(gaussian) => inside(gaussian, &field.mesh),
             // Between levels, what lies beyond them is not known.
-            InitialLaw::Density(_) if field.mesh.sides.contains(&Side::Level) => mass.clamp(0.0, 1.0),
+            InitialLaw::Density(_) if field.mesh.sides[0].contains(&Side::Level) => mass.clamp(0.0, 1.0),
             InitialLaw::Density(_) => 1.0,
         };
         let remedy = "the start must lie inside the domain, away from walls";
@@ -163,7 +163,7 @@ fn inside(gaussian: &Gaussian, mesh: &Mesh) -> f64 {
     let (mean, deviation) = (gaussian.mean[0], gaussian.covariance[(0, 0)].sqrt());
     let limit = |side: usize| {
         let z = (mesh.domain()[0][side] - mean) / deviation;
-        if mesh.sides[side] == Side::Level { z.clamp(-REACH, REACH) } else { (2.0 * side as f64 - 1.0) * REACH }
+        if mesh.sides[0][side] == Side::Level { z.clamp(-REACH, REACH) } else { (2.0 * side as f64 - 1.0) * REACH }
     };
     let (low, high) = (limit(0), limit(1));
     let rule = Rule::legendre(64);

@@ -1,7 +1,7 @@
 //! What a stationary density was solved with, for further questions.
 
 use super::Grid;
-use super::mesh::Side;
+use super::mesh::Sides;
 use super::pilot::GridPilot;
 use super::start::{Ground, smallest};
 use super::stationary::Stationary;
@@ -21,8 +21,8 @@ pub(super) struct Kept {
 
 impl Kept {
     /// What meshes of further questions at an accuracy are laid out for, within a domain with these sides.
-    pub(super) fn ground(&self, domain: Vec<[f64; 2]>, sides: [Side; 2], accuracy: f64) -> Ground<'_> {
-        let grazed = sides.map(|side| smallest(side, accuracy, self.problem.dimension()));
+    pub(super) fn ground(&self, domain: Vec<[f64; 2]>, sides: Sides, accuracy: f64) -> Ground<'_> {
+        let grazed = sides[0].map(|side| smallest(side, accuracy, self.problem.dimension()));
         Ground { problem: &self.problem, pilot: &self.pilot, domain, sides, grazed }
     }
 }

@@ -9,7 +9,7 @@ use super::tree::{MeshCell, Tree};
 use crate::density::Crossing;
 use crate::numerics::sort_by_number;
 
-/// The condition at one side of the domain along state 0.
+/// The condition at one side of the domain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Side {
     /// Probability that is carried out is lost; none comes in.
@@ -21,6 +21,9 @@ pub(super) enum Side {
     /// A wall with restitution r: probability that leaves with velocity −w/r comes back with velocity w.
     Wall(f64),
 }
+
+/// The conditions at both sides along each state, of which those but state 0 have no walls and levels.
+pub(super) type Sides = [[Side; 2]; MOST];
 
 /// What a cell's part of a face is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +59,7 @@ pub(super) struct Mesh {
     /// What distances are measured from.
     pub(super) origin: Place,
     pub(super) tree: Tree,
-    pub(super) sides: [Side; 2],
+    pub(super) sides: Sides,
     /// The node of each cell.
     leaves: Vec<usize>,
     /// The cell of each node that is one.
@@ -68,8 +71,14 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    /// The cells of a tree. At walls of state 0 a line must go through the velocity 0.
+    /// The cells of a tree with sides of state 0 alone that are not open.
     pub(super) fn new(origin: Place, tree: Tree, sides: [Side; 2]) -> Self {
+        let open = [Side::Open; 2];
+        Self::within(origin, tree, [sides, open, open])
+    }
+
+    /// The cells of a tree. At walls of state 0 a line must go through the velocity 0.
+    pub(super) fn within(origin: Place, tree: Tree, sides: Sides) -> Self {
         let leaves = tree.leaves();
         let cells: Vec<MeshCell> = leaves.iter().map(|leaf| tree.cell(*leaf)).collect();
         let mut numbers = vec![0; leaves.last().map_or(0, |leaf| leaf + 1)];
@@ -88,13 +97,13 @@ impl Mesh {
             mesh.join(axis, extent, [(low, true, Role::Inner), (high, false, Role::Inner)]);
         });
         for axis in 0..tree.states {
-            for (side, condition) in mesh.sides.into_iter().enumerate() {
+            for (side, condition) in mesh.sides[axis].into_iter().enumerate() {
                 let at_side: Vec<usize> = mesh.at_side(axis, side).collect();
                 match condition {
-                    Side::Wall(restitution) if axis == 0 => mesh.wall(side, restitution, &at_side),
-                    Side::Closed if axis == 0 => {}
-                    _ => {
-                        let role = if axis == 0 && condition == Side::Level { Role::Level } else { Role::Open };
+                    Side::Wall(restitution) => mesh.wall(side, restitution, &at_side),
+                    Side::Closed => {}
+                    Side::Open | Side::Level => {
+                        let role = if condition == Side::Level { Role::Level } else { Role::Open };
                         for cell in at_side {
                             let extent = mesh.cells[cell];
                             let edge = Segment { axis, upper: side == 1, role, face: None, extent };
@@ -227,7 +236,7 @@ impl Mesh {
 
     /// Whether a side of the domain is one that density may be cut off at.
     pub(super) fn open(&self, axis: usize, side: usize) -> bool {
-        axis > 0 || self.sides[side] == Side::Open
+        self.sides[axis][side] == Side::Open
     }
 
     /// The cells at a side of the domain.
@@ -243,7 +252,7 @@ impl Mesh {
     /// The impacts on each wall, with its restitution.
     pub(super) fn impacts(&self) -> impl Iterator<Item = (Crossing, usize, f64)> {
         let offsets = self.domain()[0];
-        (0..2).filter_map(move |side| match self.sides[side] {
+        (0..2).filter_map(move |side| match self.sides[0][side] {
             Side::Wall(r) => Some((Crossing { upward: side == 1, ..Crossing::upward(offsets[side]) }, side, r)),
             _ => None,
         })

@@ -247,11 +247,6 @@ impl Grid {
             return Err(Error::NotServed { method: "grid", what, remedy });
         }
         problem.require_no_impulses("grid")?;
-        if problem.ends().iter().any(|end| end.state() != 0) {
-            let (what, remedy) =
-                ("a reflecting end on another state than the first", "let that state be the first one");
-            return Err(Error::NotServed { method: "grid", what, remedy });
-        }
         problem.require_no_rest()?;
         problem.walls_of_oscillator("grid")
     }

@@ -68,17 +68,21 @@ impl<'a> Narrow<'a> {
             error: 0.0,
             rate: 0.0,
         };
-        let closed = |side: &usize| ground.sides[*side] != Side::Open;
+        let sides = (0..states).flat_map(|axis| [(axis, 0), (axis, 1)]);
+        let closed: Vec<(usize, usize)> =
+            sides.filter(|(axis, side)| ground.sides[*axis][*side] != Side::Open).collect();
         let mut step = least;
         for _ in 0..NARROW_STEPS {
             let left = first - narrow.time;
-            let before = narrow.gaussian.mean[0];
+            let before = narrow.gaussian.mean.clone();
             let last = left > 0.0 && step >= left && narrow.gaussian.covariance.diagonal().sum() > 0.0;
             step = if narrow.advance(if last { left } else { step }) { least } else { NARROW_GROWTH * step };
-            let mean = narrow.gaussian.mean[0];
-            // A wall or a level must not cut it, in the next step neither.
-            let reach = APART * narrow.gaussian.covariance[(0, 0)].sqrt() + 2.0 * (mean - before).abs();
-            let near = (0..2).filter(closed).any(|side| (ground.domain[0][side] - mean).abs() < reach);
+            // A wall, an end or a level must not cut it, in the next step neither.
+            let near = closed.iter().any(|&(axis, side)| {
+                let mean = narrow.gaussian.mean[axis];
+                let reach = APART * narrow.gaussian.covariance[(axis, axis)].sqrt() + 2.0 * (mean - before[axis]).abs();
+                (ground.domain[axis][side] - mean).abs() < reach
+            });
             if last {
                 narrow.time = first;
             }

@@ -214,6 +214,6 @@ pub(super) fn refined(own: &Mesh, unresolved: &[Place], aim: f64) -> Option<Mesh
     }
     divided.then(|| {
         tree.balance();
-        Mesh::new(own.origin, tree, own.sides)
+        Mesh::within(own.origin, tree, own.sides)
     })
 }

@@ -5,7 +5,7 @@ use super::field::{self, difference};
 use super::iteration::THIN;
 use super::kept::Kept;
 use super::line::Line;
-use super::mesh::Side;
+use super::mesh::{Side, Sides};
 use super::operator::Layout;
 use super::pilot::GridPilot;
 use super::refinement::{Exhausted, Pair, resolve};
@@ -57,15 +57,19 @@ impl Grid {
         if problem.dimension() == 1 && self.domain.is_none() {
             return self.on_a_line(problem, pilot);
         }
-        let ends = problem.end_limits(0);
-        let side = |side: usize| match (walls[side], ends[side]) {
-            (Some(wall), _) => Side::Wall(wall.restitution()),
-            (None, Some(_)) => Side::Closed,
-            (None, None) => Side::Open,
-        };
-        let sides = [0, 1].map(side);
+        let limits: [[Option<f64>; 2]; shape::MOST] = std::array::from_fn(|axis| {
+            let ends = problem.end_limits(axis);
+            [0, 1].map(|side| walls[side].filter(|_| axis == 0).map(|wall| wall.offset()).or(ends[side]))
+        });
+        let sides: Sides = std::array::from_fn(|axis| {
+            [0, 1].map(|side| match (walls[side].filter(|_| axis == 0), limits[axis][side]) {
+                (Some(wall), _) => Side::Wall(wall.restitution()),
+                (None, Some(_)) => Side::Closed,
+                (None, None) => Side::Open,
+            })
+        });
         let target = self.target(problem.dimension());
-        let own = sides.map(|side| start::smallest(side, target, problem.dimension()));
+        let own = sides[0].map(|side| start::smallest(side, target, problem.dimension()));
         let grazed = [0, 1].map(|side| own[side].or(other[side].then_some(GRAZING)));
         let degree = self.degree_for(problem.dimension(), target, grazed != [None; 2]);
         let question = Question { problem, states: &pilot.states, memory: self.memory, target };
@@ -77,8 +81,9 @@ impl Grid {
         let mut widened = 0;
         loop {
             let mut domain = self.domain.clone().unwrap_or_else(|| start::domain(problem, &pilot, widened));
-            let limits = [0, 1].map(|side| walls[side].map(|wall| wall.offset()).or(ends[side]));
-            (0..2).for_each(|side| domain[0][side] = limits[side].unwrap_or(domain[0][side]));
+            for (own, limits) in domain.iter_mut().zip(limits) {
+                (0..2).for_each(|side| own[side] = limits[side].unwrap_or(own[side]));
+            }
             for [low, high] in &domain {
                 positive(
                     "side of the domain",

@@ -1,7 +1,7 @@
 //! The mesh before the first solution: from the states of the pilot, and graded towards the points at which trajectories graze walls
 //! or levels.
 
-use super::mesh::{Mesh, Side};
+use super::mesh::{Mesh, Side, Sides};
 use super::pilot::GridPilot;
 use super::shape::{MOST, Place};
 use super::tree::{MeshCell, Tree};
@@ -46,8 +46,7 @@ pub(super) struct Ground<'a> {
     pub(super) pilot: &'a GridPilot,
     /// Lower and upper limits of each state.
     pub(super) domain: Vec<[f64; 2]>,
-    /// The sides of state 0.
-    pub(super) sides: [Side; 2],
+    pub(super) sides: Sides,
     /// The smallest cell along the velocity, in its deviations, at the sides of state 0 next to which the density is not smooth at the
     /// speed 0.
     pub(super) grazed: [Option<f64>; 2],
@@ -103,7 +102,7 @@ impl Ground<'_> {
     pub(super) fn mesh_for(&self, sample: &States) -> Mesh {
         let states = self.domain.len();
         // Distances from a wall or a level keep the widths of the smallest cells.
-        let closed = [0, 1].map(|side| self.sides[side] != Side::Open || self.grazed[side].is_some());
+        let closed = [0, 1].map(|side| self.sides[0][side] != Side::Open || self.grazed[side].is_some());
         let mut origin = [0.0; MOST];
         match closed {
             [true, _] => origin[0] = self.domain[0][0],
@@ -113,7 +112,7 @@ impl Ground<'_> {
         let lines = (0..states).map(|axis| {
             let [low, high] = self.domain[axis].map(|x| x - origin[axis]);
             // What hits a wall and what comes back are cells of their own.
-            let zero = (axis == 1 && closed != [false, false] && !self.sides.contains(&Side::Closed)).then_some(0.0);
+            let zero = (axis == 1 && closed != [false, false] && !self.sides[0].contains(&Side::Closed)).then_some(0.0);
             let surfaces = self.problem.surfaces().iter().filter(|surface| surface.state == axis);
             let mut inner: Vec<f64> = surfaces.map(|surface| surface.place - origin[axis]).chain(zero).collect();
             inner.retain(|place| low < *place && *place < high);
@@ -136,7 +135,7 @@ impl Ground<'_> {
             }
         }
         tree.balance();
-        Mesh::new(origin, tree, self.sides)
+        Mesh::within(origin, tree, self.sides)
     }
 
     /// Divides cells that are wide for the states in them.

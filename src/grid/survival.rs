@@ -6,7 +6,7 @@ use super::factors::Regular;
 use super::field::GridField;
 use super::flux::Part;
 use super::initial::Initial;
-use super::mesh::{Mesh, Side};
+use super::mesh::{Mesh, Side, Sides};
 use super::operator::{Layout, Operator};
 use super::refinement::{Finer, finer};
 use super::relaxation::slowest;
@@ -37,7 +37,7 @@ pub struct Survival {
     stationary: GridDensity,
     within: [f64; 2],
     domain: Vec<[f64; 2]>,
-    sides: [Side; 2],
+    sides: Sides,
     /// The operators of two degrees between the levels.
     operators: Arc<[Operator; 2]>,
 }
@@ -82,7 +82,8 @@ impl GridDensity {
         let remedy = "the levels leave the density no room: it lies beyond them";
         require(width > 0.0, "room between the levels in the domain", width, remedy)?;
 
-        let sides = [0, 1].map(|side| if absorbs[side] { Side::Level } else { self.fine.mesh.sides[side] });
+        let mut sides = self.fine.mesh.sides;
+        (0..2).filter(|&side| absorbs[side]).for_each(|side| sides[0][side] = Side::Level);
         let ground = self.kept.ground(domain.clone(), sides, FINEST);
         // What starts as the stationary density and leaves through the levels.
         let operators =

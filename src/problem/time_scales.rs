@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::numerics::eigenvalues;
 use crate::polynomial::Gaussian;
 use crate::states::States;
-use crate::walls::Contact;
+use crate::walls::{Contact, Wall};
 use nalgebra::{DMatrix, DVector};
 
 /// The slowest rate counts as at least this part of the fastest.
@@ -39,7 +39,7 @@ impl TimeScales {
     pub(crate) fn of(problem: &Problem) -> Result<Self> {
         let (gaussian, settles) = near(problem)?;
         let fastest = fastest(problem, &gaussian).max(between_walls(problem)).max(between_ends(problem));
-        let fastest = fastest.max(f64::MIN_POSITIVE);
+        let fastest = if fastest > 0.0 { fastest } else { towards_ends(problem).max(f64::MIN_POSITIVE) };
         let slowest = slowest(problem, &gaussian).max(SLOWEST * fastest);
         Ok(TimeScales { fastest, slowest, settles })
     }
@@ -195,6 +195,19 @@ fn between_ends(problem: &Problem) -> f64 {
     (0..problem.dimension()).map(rate).fold(0.0, f64::max)
 }
 
+/// The largest rate a²/D of a density exp(−a x/D) that a drift a leaves next to a reflecting end. Where the drift has slopes these are its
+/// rates.
+fn towards_ends(problem: &Problem) -> f64 {
+    let rate = |end: &Wall| {
+        let (state, mut x) = (end.state(), problem.still());
+        x[state] = end.offset();
+        let [drift, diffusion] =
+            [&problem.operator().drift()[state], &problem.operator().diffusion()[state][state]].map(|p| p.evaluate(&x));
+        2.0 * drift * drift / diffusion
+    };
+    problem.ends().iter().map(rate).fold(0.0, f64::max)
+}
+
 fn mean_jacobian(problem: &Problem, gaussian: &Gaussian) -> DMatrix<f64> {
     let n = problem.dimension();
     let near = problem.operator().near(gaussian);
@@ -220,7 +233,6 @@ pub(crate) fn two_digits(x: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::models::{Duffing, Solved};
-    use crate::walls::Wall;
 
     /// c/2 = 0.1; and k + 3μx² = 3.29 at two deviations, times the ratio of the deviations, 0.80, and c.
     #[test]

@@ -112,7 +112,7 @@ fn friction_and_noise_are_one_step() -> Result<()> {
 }
 
 /// A state that is no displacement between reflecting ends: the closed form is cut off and normalised again, by quadrature E x and E x² of
-/// −x − sin 2x above −½; and with another state, grid against simulation.
+/// −x − sin 2x above −½; and of two states with an end each, whose density is known as well.
 #[test]
 fn ends_reflect() -> Result<()> {
     let text = "states = ['x']\ndrift.x = '-x - sin(2*x)'\nnoise.w.x = 'sqrt(0.6)'";
@@ -131,11 +131,38 @@ fn ends_reflect() -> Result<()> {
     }
     let text = "states = ['x', 'y']\ndrift = { x = '-x^3 + x + 0.5*y', y = '-y + 0.5*x' }\n\
         noise.a.x = 'sqrt(0.6)'\nnoise.b.y = 'sqrt(0.6)'";
-    let problem = Problem::from_toml(text)?.with_wall(Wall::above(-0.5, 1.0)?)?;
-    let (grid, simulation) = (Grid::new().solve(&problem)?, Simulation::new().samples(400_000).run(&problem)?);
-    for powers in [[1, 0], [2, 0], [0, 1], [0, 2]] {
-        let (truth, found) = (grid.moment(&powers)?, simulation.moment(&powers)?);
-        assert!((found.value - truth.value).abs() < 4.0 * found.error, "{powers:?}: {found} and {truth}");
+    // The drift is the gradient of x²/2 − x⁴/4 + xy/2 − y²/2, and the density the exponential of 2/0.6 times that, cut off at the ends.
+    let problem =
+        Problem::from_toml(text)?.with_wall(Wall::above(-0.5, 1.0)?)?.with_wall(Wall::below(0.4, 1.0)?.on(1))?;
+    let (mut sums, count) = ([0.0; 5], 1000);
+    for k in 0..count * count {
+        let share = |k: i32| (f64::from(k) + 0.5) / f64::from(count);
+        let (x, y) = (-0.5 + 3.5 * share(k % count), 0.4 - 5.0 * share(k / count));
+        let p = ((x * x / 2.0 - x.powi(4) / 4.0 + x * y / 2.0 - y * y / 2.0) / 0.3).exp();
+        sums.iter_mut().zip([1.0, x, x * x, y, y * y]).for_each(|(sum, g)| *sum += g * p);
+    }
+    // Each state is pressed against its end by a force that depends on the other: with that of the step's beginning E x is off by seven
+    // of its errors at this step, by the weak order 1.
+    let simulation = Simulation::new().samples(1_000_000).time_step(0.06).run(&problem)?;
+    let (grid, closure) = (Grid::new().solve(&problem)?, Closure::new(6).solve(&problem)?);
+    for (k, powers) in [[1, 0], [2, 0], [0, 1], [0, 2]].into_iter().enumerate() {
+        let truth = sums[k + 1] / sums[0];
+        let (by_grid, by_closure) = (grid.moment(&powers)?, closure.moment(&powers)?);
+        let found = simulation.moment(&powers)?;
+        println!("{powers:?}: {truth}, {by_grid}, {by_closure}, {found}");
+        // The sum of middles is off by a tenth of the square of its step, 1e-6.
+        assert!((by_grid.value - truth).abs() < 5e-6 && (by_closure.value - truth).abs() < 1e-5, "{powers:?}: {truth}");
+        assert!((found.value - truth).abs() < 4.0 * found.error, "{powers:?}: {found} and {truth}");
+    }
+    // Brownian motion with a drift a towards an end of each state: exponential, with the mean D/a.
+    let text = "states = ['x', 'y']\ndrift = { x = '-1', y = '-0.5' }\nnoise = { a.x = '1', b.y = '1' }";
+    let pressed =
+        Problem::from_toml(text)?.with_wall(Wall::above(0.0, 1.0)?)?.with_wall(Wall::above(0.0, 1.0)?.on(1))?;
+    let (grid, simulation) = (Grid::new().solve(&pressed)?, Simulation::new().samples(200_000).run(&pressed)?);
+    for (powers, truth) in [([1, 0], 0.5), ([0, 1], 1.0), ([0, 2], 2.0)] {
+        let [by_grid, by_closure] = [grid.moment(&powers)?, Closure::new(2).solve(&pressed)?.moment(&powers)?];
+        assert!((by_grid.value - truth).abs() < 1e-8 && (by_closure.value - truth).abs() < 1e-8, "{powers:?}");
+        assert!(simulation.moment(&powers)?.deviation(truth) < 4.0, "{powers:?}");
     }
     assert!(matches!(Closure::classical(4).solve(&problem), Err(Error::NotServed { .. })));
     assert!(matches!(problem.with_wall(Wall::below(-1.0, 1.0)?), Err(Error::OutOfRange { .. })));
