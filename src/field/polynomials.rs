@@ -89,19 +89,18 @@ impl PolynomialField {
             pushes
         };
         let (mut pushes, before) = (pushes_at(x), x.to_vec());
-        self.cross_by(&pushes, x, w, kicks);
+        self.cross_by(&pushes, &before, x, w, kicks);
         // Next to its place a state moves by the root of a step in the mean, and with it what it does to others.
         if self.pushes_move {
             let after = pushes_at(x);
             pushes.iter_mut().zip(after).for_each(|(push, after)| *push = (*push + after) * 0.5);
             x.copy_from_slice(&before);
-            self.cross_by(&pushes, x, w, kicks);
+            self.cross_by(&pushes, &before, x, w, kicks);
         }
     }
 
-    /// The same with these pushes.
-    fn cross_by<T: Number>(&self, pushes: &[T], x: &mut [T], w: &[T], kicks: &Kicks<'_>) {
-        let before = x.to_vec();
+    /// The same with these pushes, to the states as they were before.
+    fn cross_by<T: Number>(&self, pushes: &[T], before: &[T], x: &mut [T], w: &[T], kicks: &Kicks<'_>) {
         add_noise(x, w, kicks.noise);
         for (bridge, push) in self.bridges.iter().zip(pushes) {
             let row = &kicks.noise[bridge.state * w.len()..][..w.len()];

@@ -23,7 +23,7 @@ pub(crate) use local::Local;
 
 use crate::checks::require;
 use crate::error::{Error, Result};
-use crate::polynomial::{Arena, Frame, Polynomial, Symbol};
+use crate::polynomial::{Arena, Frame, Polynomial, Symbol, multiplied};
 use crate::system::Interpretation;
 use nalgebra::DMatrix;
 use num_dual::Dual64;
@@ -242,17 +242,13 @@ impl FokkerPlanck {
         let in_z = |p: &Polynomial| p.evaluate(&state).polynomial(n);
         let drift: Vec<Polynomial> = self.drift.iter().map(in_z).collect();
         let diffusion: Vec<Vec<Polynomial>> = self.diffusion.iter().map(|row| row.iter().map(in_z).collect()).collect();
-        // Σ_j L⁻¹_ij p_j, without the terms that are zero.
-        let combined = |i: usize, part: &dyn Fn(usize) -> Polynomial| {
-            let used = (0..n).filter(|&j| inverse[(i, j)] != 0.0).map(|j| (inverse[(i, j)], part(j)));
-            used.filter(|(_, p)| !p.is_zero()).fold(Polynomial::zero(n), |sum, (factor, p)| sum + p * factor)
-        };
-        let each = |p: &dyn Fn(usize) -> Polynomial| (0..n).map(p).collect::<Vec<_>>();
-        let half: Vec<Vec<Polynomial>> = (0..n).map(|i| each(&|q| combined(i, &|j| diffusion[j][q].clone()))).collect();
-        let fields = |field: &[Polynomial]| each(&|i| combined(i, &|j| field[j].clone()));
+        let column = |j: usize| diffusion.iter().map(|row| row[j].clone()).collect::<Vec<_>>();
+        let halves: Vec<Vec<Polynomial>> = (0..n).map(|j| multiplied(inverse, &column(j))).collect();
+        let half = |i: usize| halves.iter().map(|column| column[i].clone()).collect::<Vec<_>>();
+        let fields = |field: &[Polynomial]| multiplied(inverse, field);
         FokkerPlanck {
             drift: fields(&drift),
-            diffusion: (0..n).map(|i| each(&|j| combined(j, &|q| half[i][q].clone()))).collect(),
+            diffusion: (0..n).map(|i| multiplied(inverse, &half(i))).collect(),
             impulses: self.impulses_in(&in_z, &fields),
             moved: self
                 .moved

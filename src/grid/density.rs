@@ -1,4 +1,5 @@
-use super::field::{Along, EVERYWHERE, GridField};
+use super::along::{Along, EVERYWHERE};
+use super::field::GridField;
 use super::kept::Kept;
 use super::oblique;
 use super::shear::Shear;

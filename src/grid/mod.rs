@@ -8,13 +8,14 @@
 //! - `pilot`, `start`: where the density is, and the first mesh; `stationary`: the null vector of K, by `pins`, with `wells` that hardly
 //!   mix; `marking`, `refinement`: what a mesh does not resolve, and from a mesh to two solutions that agree; `line`: the closed form of
 //!   one state; `solve`: from a problem to the answer;
-//! - `field`, `density`, `tails`, `kept`: the piecewise polynomial, the density made of it, what lies beyond its edges, and what further
+//! - `field`, `along`, `density`, `tails`, `kept`: the piecewise polynomial, the density made of it, what lies beyond its edges, and what further
 //!   questions need;
 //!   `sensitivity`: its derivatives by parameters; `shear`: other states, in which a thin density is rounder, and `oblique`: integrals
 //!   over planes that then cut cells;
 //! - `relaxation`, `march`: the spectrum next to zero and steps in time on the same operator;
 //! - `initial`, `evolution`, `transient`: a start, a mesh that follows the density, and p(x, t); `survival`: the part of it that has passed no level.
 
+mod along;
 mod columns;
 mod density;
 mod dissection;
@@ -177,6 +178,7 @@ impl Grid {
 
     /// Lower and upper limit of each state. By default the limits are four times as far from the middle as the states of a short
     /// simulation, and farther where the density does not end there. A limit at a wall is replaced by the wall.
+    /// States with given limits are not sheared.
     pub fn domain(self, domain: impl IntoIterator<Item = [f64; 2]>) -> Self {
         Grid { domain: Some(domain.into_iter().collect()), ..self }
     }

@@ -1,7 +1,8 @@
 //! The derivative of a density on a grid by a parameter.
 
+use super::along::{Along, EVERYWHERE};
 use super::density::{GridDensity, at, estimate, moderate, unresolved};
-use super::field::{Along, EVERYWHERE, GridField, difference};
+use super::field::{GridField, difference};
 use super::kept::Kept;
 use super::legendre::LegendreTable;
 use super::mesh::{Mesh, Role};

@@ -64,10 +64,8 @@ impl GridDensity {
     /// ```
     pub fn survival(&self, within: [f64; 2]) -> Result<Survival> {
         if self.shear.is_some() {
-            let (what, remedy) = (
-                "survival where the density is so thin that its states were sheared",
-                "take the simulation, or the method of images of its trajectories",
-            );
+            let what = "survival where the density is so thin that its states were sheared";
+            let remedy = "take the simulation";
             return Err(Error::NotServed { method: "grid", what, remedy });
         }
         if self.fine.shape.states > 1 && self.kept.problem.velocity_of(0) != Some(1) {

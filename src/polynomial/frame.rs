@@ -83,6 +83,16 @@ impl Frame {
     }
 }
 
+/// M f, without the terms that are zero.
+pub(crate) fn multiplied(matrix: &DMatrix<f64>, field: &[Polynomial]) -> Vec<Polynomial> {
+    let n = field.len();
+    let row = |i: usize| {
+        let used = (0..n).filter(|&j| matrix[(i, j)] != 0.0 && !field[j].is_zero());
+        used.fold(Polynomial::zero(n), |sum, j| sum + field[j].clone() * matrix[(i, j)])
+    };
+    (0..n).map(row).collect()
+}
+
 fn affine(matrix: &DMatrix<f64>, shift: &DVector<f64>) -> Vec<Polynomial> {
     let n = shift.len();
     let row = |i: usize| {

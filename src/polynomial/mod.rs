@@ -11,7 +11,7 @@ mod text;
 
 use exponents::ordered;
 pub(crate) use exponents::{monomials, odd, of_one, power, total_degree};
-pub(crate) use frame::Frame;
+pub(crate) use frame::{Frame, multiplied};
 pub use gaussian::Gaussian;
 pub(crate) use of_functions::FunctionOf;
 pub(crate) use symbol::{Arena, Symbol, is_real};

@@ -4,7 +4,7 @@ use super::Problem;
 use super::definition::PolynomialForm;
 use crate::error::Result;
 use crate::fokker_planck::Impulse;
-use crate::polynomial::Polynomial;
+use crate::polynomial::{Polynomial, multiplied};
 use nalgebra::DMatrix;
 
 impl Problem {
@@ -19,14 +19,8 @@ impl Problem {
     /// The problem of any z of which the `states` are linear functions, with the matrix L⁻¹ of z: the drift is L⁻¹f, the noise L⁻¹G. It
     /// has the same names, no walls, and no derivatives by parameters.
     pub(crate) fn in_states(&self, states: &[Polynomial], inverse: &DMatrix<f64>) -> Result<Self> {
-        let n = self.dimension();
         let all = |field: &[Polynomial]| -> Vec<Polynomial> {
-            let in_z: Vec<Polynomial> = field.iter().map(|p| p.compose(states)).collect();
-            let row = |i: usize| {
-                let used = (0..n).filter(|j| inverse[(i, *j)] != 0.0);
-                used.fold(Polynomial::zero(n), |sum, j| sum + &in_z[j] * inverse[(i, j)])
-            };
-            (0..n).map(row).collect()
+            multiplied(inverse, &field.iter().map(|p| p.compose(states)).collect::<Vec<_>>())
         };
         let form = PolynomialForm {
             drift: all(self.drift()),

@@ -158,9 +158,9 @@ fn a_closure_is_close_to_the_grid() {
     assert!(marginals.iter().all(|off| *off < 1.5), "{marginals:?}");
 }
 
-/// A state that follows another one closely: a sheet with a tenth of the variance of its velocity, on whose own states a grid has an error
-/// of 0.1 with as many cells. Sheared, it is as exact as was asked for, and so are sections, rates, derivatives and transients, which
-/// are those of a Gaussian.
+/// A state that follows another one closely: in its own states a grid takes 630 cells for the 177 of sheared ones, and has an estimate of
+/// 9e-2 with 212. Sheared, it is as exact as was asked for, and so are sections, rates, derivatives and transients, which are those of a
+/// Gaussian.
 #[test]
 fn thin_densities_are_sheared() {
     let text = "states = ['x', 'v', 'y']\n[parameters]\nc = 0.3\nD = 0.5\n[drift]\nx = 'v'\nv = '-c*v - x - 0.5*y'\ny = '8*(v - y)'\n\
@@ -172,7 +172,8 @@ fn thin_densities_are_sheared() {
     let (distance, estimate) = (compare::l1(&density, &exact).unwrap().value, density.l1_estimate());
     println!("{distance:.1e}, estimate {estimate:.1e}, {:?} cells", density.provenance().cells);
     assert!(density.provenance().shear.is_some() && density.warning().is_none(), "{density}");
-    assert!(estimate <= 1e-2 && (1.0..8.0).contains(&(estimate / distance)), "{distance:e}, {estimate:e}");
+    // The error of one degree less, which is 2 times the distance here and 2 to 5 times for round Gaussians.
+    assert!(estimate <= 1e-2 && (1.5..3.0).contains(&(estimate / distance)), "{distance:e}, {estimate:e}");
     let near = |what: &str, ours: Estimate, theirs: f64| {
         println!("{what}: {ours}, {theirs}");
         // Two degrees may be closer to each other than to the truth, by 1.8 times for the rate.
