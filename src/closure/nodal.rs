@@ -43,6 +43,10 @@ const SHARE: f64 = 0.01;
 /// The least and the largest relative difference that two rules for a density that is not exact may be asked for: the edge of its
 /// domain, where it is 1e-6 of its peak, lies between nodes.
 const BOUNDS: [f64; 2] = [1e-4, 1e-2];
+/// The box on which potentials are known, over that of the trust domain: an exact density is followed so far.
+const WIDER: f64 = 3.0;
+/// An exact density by a potential has no more than this beyond its domain and between two rules: else it does not fall.
+const RESOLVED: f64 = 1e-6;
 /// A density whose two rules differ by more than this part of its mass and second moments has no integral: it rises between the
 /// nodes.
 const RISING: f64 = 0.1;
@@ -77,13 +81,20 @@ impl NodalClosure {
     }
 
     /// The content of an order's density: an exact one by the pilot's states for a linear system, whose equations may not show what its slow
-    /// states do, and where the moment equations do not serve.
+    /// states do, for forces with a potential that is no polynomial, and where the moment equations do not serve.
     fn found(&self, order: u32) -> Result<Content> {
         let family = self.discretisation.family.without_kinks();
-        let exactness = Exactness::new(&self.problem, &self.pilot.states, family.functions(order).len());
-        let by_states = || self.exact(order, exactness.as_ref()?.lowest(order, |order| family.functions(order))?, 0);
-        if let Some(normal) = normal_density(&self.problem).and_then(|_| by_states()) {
-            return Ok(normal);
+        let wide = self.discretisation.domain.widened(WIDER).bounds();
+        let potentials = family.with_potentials(&self.problem, &wide);
+        let sought = potentials.as_ref().unwrap_or(&family);
+        let exactness = Exactness::new(&self.problem, &self.pilot.states, sought.functions(order).len());
+        let by_states = || self.exact(order, exactness.as_ref()?.lowest(order, |order| sought.functions(order))?, 0);
+        let linear = normal_density(&self.problem).is_some();
+        if linear || potentials.is_some() {
+            let falls = |content: &Content| linear || content.candidates[0].l1_estimate < RESOLVED;
+            if let Some(exact) = by_states().filter(falls) {
+                return Ok(exact);
+            }
         }
         match self.content(order, exactness.as_ref()) {
             Ok(found) if found.is_served_by_equations() => Ok(found),

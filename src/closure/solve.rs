@@ -1,5 +1,6 @@
 //! The way from a problem and the options to the steps: the choice of nodes and orders, and further attempts.
 
+use super::candidates::Origin;
 use super::density::ClosureDensity;
 use super::density::exponent::Exponent;
 use super::discretisation::Discretisation;
@@ -130,7 +131,8 @@ impl Closure {
         match by_equations {
             // A potential that is no polynomial is one more function of Q.
             Some(Ok(density)) if density.content.is_served_by_equations() => {
-                let closest = (!problem.operator().is_polynomial()).then(|| self.by_grid(problem, None, begin));
+                let sought = !problem.operator().is_polynomial() && density.candidates()[0].origin != Origin::Exact;
+                let closest = sought.then(|| self.by_grid(problem, None, begin));
                 match closest {
                     Some(Ok(closest)) if closest.is_better_than(&density) => Ok(closest.with_motion_of(&density)),
                     _ => Ok(density),

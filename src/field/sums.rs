@@ -62,7 +62,15 @@ impl Sums {
 /// A function of numbers. Not inlined, so that a drift without functions is a few instructions.
 #[inline(never)]
 fn of_numbers<T: Number>(function: Elementary, x: T) -> T {
-    x.map(|x| function.of(x))
+    // Those of a few instructions, each in a loop of its own, which wide registers serve.
+    match function {
+        Elementary::Power(-1.0) => x.map(|x| Elementary::Power(-1.0).of(x)),
+        Elementary::Power(0.5) => x.map(|x| Elementary::Power(0.5).of(x)),
+        Elementary::Abs => x.map(|x| Elementary::Abs.of(x)),
+        Elementary::Sign => x.map(|x| Elementary::Sign.of(x)),
+        Elementary::PositivePower(1.0) => x.map(|x| Elementary::PositivePower(1.0).of(x)),
+        _ => x.map(|x| function.of(x)),
+    }
 }
 
 /// A sum of products.

@@ -2,7 +2,7 @@
 
 use super::{Curve, HIGHEST};
 use crate::elementary::Elementary;
-use crate::numerics::Number;
+use crate::numerics::{EIGHT, Number};
 use crate::polynomial::Polynomial;
 use crate::record::{Read, positive};
 use serde::{Deserialize, Serialize};
@@ -64,7 +64,9 @@ impl Fold {
     #[inline(always)]
     pub(super) fn jet<T: Number>(&self, x: T, half_width: f64) -> [T; 3] {
         if let Some(curve) = &self.curve {
-            return [0, 1, 2].map(|order| x.map(|x| curve.jet(x)[order]));
+            let mut jets = [[0.0; 3]; EIGHT];
+            (0..T::POINTS).for_each(|point| jets[point] = curve.jet(x.at(point)));
+            return [0, 1, 2].map(|order| T::from_points(|point| jets[point][order]));
         }
         let (s, m) = ((x - self.place) * half_width.recip(), self.power);
         let of = |power: f64, odd: bool| {

@@ -143,7 +143,7 @@ impl Functions {
     }
 
     /// The folds, of which all its polynomials have the same list.
-    pub(super) fn folds(&self) -> &[Fold] {
+    pub(crate) fn folds(&self) -> &[Fold] {
         self.blocks.first().map_or(&[], |block| block.factors.folds())
     }
 

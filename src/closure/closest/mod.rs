@@ -225,7 +225,7 @@ impl<'a> Closest<'a> {
             let distance = |found: &(Fitted, Functions)| found.0.candidate.l1_estimate;
             let fitted = || {
                 let of_family = |family: &SpaceFamily| {
-                    let space = family.functions(lower);
+                    let space = folded::independent(family.functions(lower), &self.target.points);
                     Some((self.fitted(&space, 0.0)?, space))
                 };
                 let all = self.families.iter().filter_map(of_family);

@@ -3,7 +3,8 @@
 //! The residual of exp(Q) is a polynomial where the system is one. If it vanishes at more states than it has monomials, it vanishes
 //! everywhere, and an exp(Q) that satisfies the stationary equation and has a finite integral is the stationary density; above elastic
 //! walls where it has the same value before impacts and after them. Neither nodes nor integrals come in, so that narrow wells and thin
-//! ridges are no obstacle.
+//! ridges are no obstacle. With functions of states in the drift and in Q it is no polynomial, but as smooth as these, and vanishes at
+//! thousands of states to the rounding of their tables.
 
 use crate::closure::density::exponent::Exponent;
 use crate::closure::discretisation::{locals, nodes};
@@ -165,8 +166,9 @@ impl Conditions {
             let change = least_norm(&matrix, &right, ROUNDING * matrix.norm_l2())?;
             current.coefficients.iter_mut().enumerate().for_each(|(k, a)| *a += scale[k] * change[k]);
             if solved {
-                // Between walls a polynomial need not fall in every direction.
-                return Some(current).filter(|found| self.walled || found.is_normalisable());
+                // Between walls a polynomial need not fall in every direction, and a potential falls where its integrals show it.
+                let falls = self.walled || !current.space.folds().is_empty() || current.is_normalisable();
+                return falls.then_some(current);
             }
         }
         None

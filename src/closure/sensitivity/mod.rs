@@ -132,6 +132,8 @@ impl ClosureDensity {
     fn differentiable(&self) -> Result<&Problem> {
         let on_panels = matches!(self.content.integrals, Integrals::Panels { .. });
         let stationary = match self.candidates()[0].origin {
+            // A parameter within a function of the forces moves a potential to one that Q has not.
+            Origin::Exact if !self.exponent().space.folds().is_empty() => false,
             Origin::Exact | Origin::MomentEquations { .. } => on_panels == (self.dimension() <= 2),
             Origin::MaximumLikelihood => !on_panels && self.content.indication.is_some(),
             _ => false,

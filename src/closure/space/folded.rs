@@ -1,10 +1,17 @@
 //! Products of polynomials with functions that have a kink where the drift has a kink or a jump.
 
 use super::degrees::Degrees;
-use crate::functions::{Curve, Fold};
-use crate::numerics::sort_by_number;
+use super::sweep;
+use crate::functions::{Curve, Fold, Functions, Polynomials};
+use crate::numerics::{sort_by_number, triangle};
 use crate::polynomial::Polynomial;
 use crate::problem::{Problem, Surface, Symmetry};
+use crate::states::States;
+use faer::{Col, Mat, Scale};
+
+/// A product with a curve of which no more than this share is no combination of other functions is one of them: tables are right to
+/// 1e-13 of their range, and next to kinks like that of a power 1.5 to 1e-8.
+const DEPENDENT: f64 = 1e-7;
 
 /// The folds that ln p has at some surfaces, and the part of a symmetry that they have as well.
 pub(in crate::closure) fn at(surfaces: &[Surface], symmetry: &Symmetry) -> (Vec<Fold>, Symmetry) {
@@ -16,18 +23,22 @@ pub(in crate::closure) fn at(surfaces: &[Surface], symmetry: &Symmetry) -> (Vec<
 }
 
 /// The potential U(x) = ∫ h(x, 0) dx of an oscillator x″ + h(x, x′) = ξ, and the integral of its friction ∫ h(0, v) dv, where these are no
-/// polynomials, on a box; of one state the exponent ∫ 2f/B dx. Where damping is linear exp(−(c/D)(v²/2 + U)) is the density.
+/// polynomials, on a box; of one state ln p = ∫ (2f − B′)/B dx itself. Where damping is linear exp(−(c/D)(v²/2 + U)) is the density.
 pub(in crate::closure) fn potentials(problem: &Problem, bounds: &[[f64; 2]]) -> Vec<Fold> {
     let operator = problem.operator();
     let curve = |state: usize, degree: f64, slope: &dyn Fn(f64) -> f64| {
-        let curve = Curve::integral(slope, bounds[state])?;
+        let own = problem.surfaces().iter().filter(|surface| surface.state == state);
+        let places: Vec<f64> = own.map(|surface| surface.place).collect();
+        let curve = Curve::integral(slope, bounds[state], &places)?;
         Some(Fold { state, place: 0.0, power: degree, curve: Some(curve) })
     };
     let depends = |f: &Polynomial, i: usize| f.all_functions().iter().any(|of| of.argument.contains(i));
     match (problem.dimension(), problem.displacements()) {
         (1, _) if !operator.is_polynomial() => {
             let (f, b) = (&operator.drift()[0], &operator.diffusion()[0][0]);
-            curve(0, 1.0, &|x| f.evaluate(&[x]) / b.evaluate(&[x])).into_iter().collect()
+            let spread = b.derivative(0);
+            let slope = |x: f64| (2.0 * f.evaluate(&[x]) - spread.evaluate(&[x])) / b.evaluate(&[x]);
+            curve(0, 1.0, &slope).into_iter().collect()
         }
         (2, [(x, v)]) => {
             let f = &operator.drift()[*v];
@@ -43,6 +54,43 @@ pub(in crate::closure) fn potentials(problem: &Problem, bounds: &[[f64; 2]]) -> 
         }
         _ => Vec::new(),
     }
+}
+
+/// The same without products with a curve that are combinations of the other functions at some points. A force that is no polynomial may
+/// be one where the other state is 0: Q has its potential then already, but not the products of this with that state.
+pub(in crate::closure) fn independent(space: Functions, points: &States) -> Functions {
+    let Some(all) = space.on_one_box().filter(|all| all.folds().iter().any(|fold| fold.curve.is_some())) else {
+        return space;
+    };
+    let mut values = Mat::zeros(points.len(), space.len() + 1);
+    sweep::tabulate(&space, points, values.as_mut());
+    // Its columns have the products of the functions' values with each other.
+    let columns = triangle(values.as_ref(), &vec![1.0; points.len()]);
+    let is_of_curve = |alpha: &[u32]| {
+        let fold = alpha.iter().find_map(|&exponent| Fold::decoded(exponent).0);
+        fold.is_some_and(|fold| all.folds()[fold].curve.is_some())
+    };
+    let (products, others): (Vec<usize>, Vec<usize>) =
+        (0..space.len()).partition(|k| is_of_curve(&all.exponents()[*k]));
+    let mut basis: Vec<Col<f64>> = Vec::new();
+    // Twice, as once leaves rounding.
+    let rest_of = |basis: &[Col<f64>], column: usize| {
+        let column = columns.col(column).to_owned();
+        let less = |rest: Col<f64>, part: &Col<f64>| &rest - Scale(part.transpose() * &rest) * part;
+        let rest = (0..2).fold(column.clone(), |rest, _| basis.iter().fold(rest, less));
+        (rest.norm_l2() / column.norm_l2(), rest)
+    };
+    let mut kept = Vec::new();
+    for column in std::iter::once(0).chain(others.into_iter().chain(products).map(|k| k + 1)) {
+        let (share, rest) = rest_of(&basis, column);
+        if share > DEPENDENT {
+            basis.push(&rest * Scale(rest.norm_l2().recip()));
+            kept.push(column);
+        }
+    }
+    let exponents = (0..space.len()).filter(|k| kept.contains(&(k + 1))).map(|k| all.exponents()[k].clone()).collect();
+    let (centre, half_width) = (all.centre().to_vec(), all.half_width().to_vec());
+    Polynomials::new(centre, half_width, exponents).folded(all.folds().to_vec()).into()
 }
 
 /// The exponents up to a degree, and those of products with folds, which count by their powers: those of a smaller degree come first.

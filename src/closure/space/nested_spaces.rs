@@ -3,7 +3,7 @@ use super::folded;
 use crate::closure::REFERENCE_EXCESS;
 use crate::closure::space::WallLevel;
 use crate::functions::{Corner, Fold, Functions, Polynomials};
-use crate::problem::Symmetry;
+use crate::problem::{Problem, Symmetry};
 
 /// The number of highest degrees of a reference's correction, where the edge of the domain shows as ripples; the correction may
 /// be cut off below them.
@@ -117,6 +117,17 @@ impl SpaceFamily {
             }
             SpaceFamily::Smooth(_) => self.clone(),
         }
+    }
+
+    /// The same with the potentials of forces that are no polynomials, on a box. None without such forces, and next to walls.
+    pub(in crate::closure) fn with_potentials(&self, problem: &Problem, bounds: &[[f64; 2]]) -> Option<Self> {
+        let SpaceFamily::Smooth(smooth) = self else { return None };
+        let potentials =
+            if problem.operator().is_polynomial() { Vec::new() } else { folded::potentials(problem, bounds) };
+        (!potentials.is_empty()).then(|| {
+            let folds = [&smooth.folds[..], &potentials].concat();
+            SpaceFamily::Smooth(Smooth { folds, ..smooth.clone() })
+        })
     }
 
     /// The same for densities that do not share the system's symmetry, with all monomials.
