@@ -126,6 +126,14 @@ impl States {
         chosen
     }
 
+    /// The least and the largest value of each state.
+    pub(crate) fn range(&self) -> [Vec<f64>; 2] {
+        let fold = |of: fn(f64, f64) -> f64, start: f64| {
+            (0..self.dimension).map(|i| self.iter().map(|x| x[i]).fold(start, of)).collect()
+        };
+        [fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY)]
+    }
+
     /// The standard deviation along each axis.
     pub(crate) fn deviations(&self) -> Vec<f64> {
         let count = self.len() as f64;

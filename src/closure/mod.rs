@@ -47,6 +47,7 @@ mod lattice_reference;
 mod method;
 mod nodal;
 mod pilot;
+mod potential;
 mod projection;
 mod reference;
 mod sampled;

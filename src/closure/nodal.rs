@@ -13,11 +13,12 @@ use super::discretisation::panels::{ResolvedRules, resolved};
 use super::discretisation::trust_domain::TrustDomain;
 use super::dynamics::Dynamics;
 use super::pilot::{Pilot, normal_density};
+use super::potential::by_potential;
 use super::projection::exactness::Exactness;
 use super::projection::{Weight, distance, project, tempered};
 use super::reference::{ReferenceDensity, ReferenceStart, normalised};
 use super::samples::{Copula, ImportanceRule, Lattice};
-use super::space::nested_spaces::NestedSpaces;
+use super::space::nested_spaces::{NestedSpaces, SpaceFamily};
 use super::space::orthonormal::Orthonormal;
 use crate::closure::{DRAWS, FINE_REFERENCE, SOLVED, WEIGHT_POWER};
 use crate::error::{Error, Result};
@@ -43,10 +44,6 @@ const SHARE: f64 = 0.01;
 /// The least and the largest relative difference that two rules for a density that is not exact may be asked for: the edge of its
 /// domain, where it is 1e-6 of its peak, lies between nodes.
 const BOUNDS: [f64; 2] = [1e-4, 1e-2];
-/// The box on which potentials are known, over that of the trust domain: an exact density is followed so far.
-const WIDER: f64 = 3.0;
-/// An exact density by a potential has no more than this beyond its domain and between two rules: else it does not fall.
-const RESOLVED: f64 = 1e-6;
 /// A density whose two rules differ by more than this part of its mass and second moments has no integral: it rises between the
 /// nodes.
 const RISING: f64 = 0.1;
@@ -84,17 +81,16 @@ impl NodalClosure {
     /// states do, for forces with a potential that is no polynomial, and where the moment equations do not serve.
     fn found(&self, order: u32) -> Result<Content> {
         let family = self.discretisation.family.without_kinks();
-        let wide = self.discretisation.domain.widened(WIDER).bounds();
-        let potentials = family.with_potentials(&self.problem, &wide);
-        let sought = potentials.as_ref().unwrap_or(&family);
-        let exactness = Exactness::new(&self.problem, &self.pilot.states, sought.functions(order).len());
-        let by_states = || self.exact(order, exactness.as_ref()?.lowest(order, |order| sought.functions(order))?, 0);
-        let linear = normal_density(&self.problem).is_some();
-        if linear || potentials.is_some() {
-            let falls = |content: &Content| linear || content.candidates[0].l1_estimate < RESOLVED;
-            if let Some(exact) = by_states().filter(falls) {
-                return Ok(exact);
-            }
+        if let SpaceFamily::Smooth(smooth) = &family
+            && let Some(exact) = by_potential(&self.problem, &self.pilot, &self.discretisation.domain, (smooth, order))
+        {
+            let provenance = self.provenance(order, exact.exponent.coefficients.len(), 0);
+            return Ok(Content { provenance, ..exact });
+        }
+        let exactness = Exactness::new(&self.problem, &self.pilot.states, family.functions(order).len());
+        let by_states = || self.exact(order, exactness.as_ref()?.lowest(order, |order| family.functions(order))?, 0);
+        if let Some(normal) = normal_density(&self.problem).and_then(|_| by_states()) {
+            return Ok(normal);
         }
         match self.content(order, exactness.as_ref()) {
             Ok(found) if found.is_served_by_equations() => Ok(found),

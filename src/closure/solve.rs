@@ -29,7 +29,7 @@ const RARE: f64 = 2.0;
 const FLOWS: usize = 8;
 /// The states of a pilot, without their mirror images, where nodes carry the density. Halved or doubled, it changes L¹ errors
 /// of nine closures of orders 4 to 8 by up to −28 % or +7 %.
-const STATES: usize = 20_000;
+pub(super) const STATES: usize = 20_000;
 /// A kurtosis above this is that of a power tail, in which an inflated pilot spreads too wide for any polynomial; limit cycles,
 /// wells and hardening springs are below 3 or near it. None of nine closures of orders 4 to 8 depends on it.
 const HEAVY: f64 = 8.0;
@@ -114,7 +114,10 @@ impl Closure {
                 let what = "moment equations where the drift has a kink or a jump";
                 return Err(Error::NotServed { method: METHOD, what, remedy: "leave out `reference`" });
             }
-            return self.by_grid(problem, None, begin);
+            let exact = (self.reference == Reference::Automatic)
+                .then(|| self.exact_with_kinks(problem, settles, begin))
+                .flatten();
+            return exact.map_or_else(|| self.by_grid(problem, None, begin), Ok);
         }
         let plan = PilotPlan::new(problem, self.seed, settles)?;
         let pilot = plan.pilot(self.states.unwrap_or(STATES), 1.0)?;

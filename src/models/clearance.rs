@@ -30,10 +30,10 @@ impl Clearance {
     /// ```
     /// use expoly::{Closure, Density, models::{Clearance, Solved}};
     /// let problem = Clearance::new([0.2, 0.1, 4.0, 1.0], 0.2)?.problem()?;
-    /// // The kinks are found, and with them the density is exact but for the grid that it is taken from.
+    /// // The kinks are found, and with them the density is exact.
     /// let density = Closure::new(4).solve(&problem)?;
-    /// assert!(density.l1_estimate() < 1e-4);
-    /// assert!((density.moment(&[2, 0])?.value - 0.94135935929).abs() < 1e-5);
+    /// assert!(density.l1_estimate() < 1e-9);
+    /// assert!((density.moment(&[2, 0])?.value - 0.941359359285).abs() < 1e-10);
     /// # Ok::<(), expoly::Error>(())
     /// ```
     pub fn new([damping, stiffness, contact, gap]: [f64; 4], intensity: f64) -> Result<Self> {

@@ -28,7 +28,7 @@ use crate::density::Density;
 use crate::error::{Error, Result};
 use crate::functions::{Corner, Functions};
 use crate::parallel;
-use crate::problem::{Problem, Surface, Symmetry};
+use crate::problem::Symmetry;
 use crate::provenance::Provenance;
 use crate::states::States;
 use std::collections::BTreeMap;
@@ -318,18 +318,22 @@ fn spaces(
     let (centre, half_width): (Vec<f64>, Vec<f64>) = bounds.iter().enumerate().map(side).unzip();
     let walls = density.evidence().grazed_walls();
     if walls.is_empty() {
-        let problem = density.evidence().problem();
-        let within = |surface: &&Surface| {
-            let [low, high] = bounds[surface.state];
-            low < surface.place && surface.place < high
+        let smooth = Smooth {
+            degrees: closure.degrees.clone(),
+            symmetry: symmetry.clone(),
+            centre,
+            half_width,
+            folds: Vec::new(),
         };
-        let surfaces = problem.map_or(&[][..], Problem::surfaces).iter().filter(within).copied().collect::<Vec<_>>();
-        let (folds, symmetry) = folded::at(&surfaces, symmetry);
-        let potentials = problem.map_or_else(Vec::new, |problem| folded::potentials(problem, bounds));
-        let smooth = Smooth { degrees: closure.degrees.clone(), symmetry, centre, half_width, folds };
-        let more = (!potentials.is_empty())
-            .then(|| Smooth { folds: [&smooth.folds[..], &potentials].concat(), ..smooth.clone() });
-        return (std::iter::once(smooth).chain(more).map(SpaceFamily::Smooth).collect(), Vec::new());
+        let families = match density.evidence().problem() {
+            Some(problem) => {
+                let bent = smooth.bent(problem, bounds);
+                let more = bent.with_potentials(problem, bounds);
+                std::iter::once(bent).chain(more).map(SpaceFamily::Smooth).collect()
+            }
+            None => vec![SpaceFamily::Smooth(smooth)],
+        };
+        return (families, Vec::new());
     }
     let speed = bounds[1][0].abs().max(bounds[1][1].abs());
     let corner = |(wall, intensity)| Corner::new(wall, vec![1], intensity, [2.0 * half_width[0], speed]);

@@ -34,6 +34,12 @@ const AT_WALL: usize = 1000;
 /// The most functions of an exact density that is sought at states of the pilot: a bound on work.
 const MOST: usize = 150;
 
+/// The distances from the middle of the pilot's states at which the residual is to vanish too, over theirs. A normal density is exp(-32) of
+/// its peak there.
+const FARTHER: f64 = 1.9;
+/// The residual vanishes there where it is no larger a part of what it is made of: tables of functions are right to 1e-9 of it.
+const HOLDS: f64 = 1e-6;
+
 /// The search for the exact density of a problem.
 pub(in crate::closure) struct Exactness<'a> {
     problem: &'a Problem,
@@ -71,14 +77,33 @@ impl<'a> Exactness<'a> {
                 return None;
             }
             let start = by_scores(&space, &self.problem.contacts(), &more)?;
-            self.conditions().root(Exponent { known: Vec::new(), space, constant: 0.0, coefficients: start })
+            let start = Exponent { known: Vec::new(), space, constant: 0.0, coefficients: start };
+            self.conditions().root(start).filter(|density| self.holds_farther(density))
         })
     }
 
     /// The exact density near another one.
     pub(in crate::closure) fn near(&self, start: &Exponent) -> Option<Exponent> {
         let sought = start.known.is_empty() && !self.conditions().are_too_few(&start.space);
-        sought.then(|| self.conditions().root(start.clone()))?
+        sought.then(|| self.conditions().root(start.clone()))?.filter(|density| self.holds_farther(density))
+    }
+
+    /// Whether the residual vanishes farther out than the pilot's states as well, to a part of what it is made of there and at these. Functions of the states may have a kink where no state has been.
+    fn holds_farther(&self, density: &Exponent) -> bool {
+        if self.problem.operator().is_polynomial() {
+            return true;
+        }
+        let own = self.conditions();
+        let [low, high] = own.states.range();
+        let mut farther = States::new(low.len());
+        for x in &own.states {
+            let from = |i: usize| (low[i] + high[i]) / 2.0;
+            farther.push(&(0..x.len()).map(|i| from(i) + FARTHER * (x[i] - from(i))).collect::<Vec<_>>());
+        }
+        let parts = |(_, parts, _): &(f64, f64, Vec<f64>)| *parts;
+        let usual = own.linearised(density).iter().map(parts).sum::<f64>() / own.states.len() as f64;
+        let farther = Conditions::new(self.problem, farther).linearised(density);
+        farther.iter().all(|(residual, parts, _)| residual * residual <= HOLDS * HOLDS * (parts + usual))
     }
 
     fn conditions(&self) -> &Conditions {

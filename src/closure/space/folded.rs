@@ -88,9 +88,12 @@ pub(in crate::closure) fn independent(space: Functions, points: &States) -> Func
             kept.push(column);
         }
     }
-    let exponents = (0..space.len()).filter(|k| kept.contains(&(k + 1))).map(|k| all.exponents()[k].clone()).collect();
+    let exponents: Vec<Vec<u32>> =
+        (0..space.len()).filter(|k| kept.contains(&(k + 1))).map(|k| all.exponents()[k].clone()).collect();
+    let used = exponents.iter().flatten().filter_map(|&exponent| Fold::decoded(exponent).0).max();
+    let folds = all.folds()[..used.map_or(0, |last| last + 1)].to_vec();
     let (centre, half_width) = (all.centre().to_vec(), all.half_width().to_vec());
-    Polynomials::new(centre, half_width, exponents).folded(all.folds().to_vec()).into()
+    Polynomials::new(centre, half_width, exponents).folded(folds).into()
 }
 
 /// The exponents up to a degree, and those of products with folds, which count by their powers: those of a smaller degree come first.

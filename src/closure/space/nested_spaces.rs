@@ -3,7 +3,7 @@ use super::folded;
 use crate::closure::REFERENCE_EXCESS;
 use crate::closure::space::WallLevel;
 use crate::functions::{Corner, Fold, Functions, Polynomials};
-use crate::problem::{Problem, Symmetry};
+use crate::problem::{Problem, Surface, Symmetry};
 
 /// The number of highest degrees of a reference's correction, where the edge of the domain shows as ripples; the correction may
 /// be cut off below them.
@@ -119,17 +119,6 @@ impl SpaceFamily {
         }
     }
 
-    /// The same with the potentials of forces that are no polynomials, on a box. None without such forces, and next to walls.
-    pub(in crate::closure) fn with_potentials(&self, problem: &Problem, bounds: &[[f64; 2]]) -> Option<Self> {
-        let SpaceFamily::Smooth(smooth) = self else { return None };
-        let potentials =
-            if problem.operator().is_polynomial() { Vec::new() } else { folded::potentials(problem, bounds) };
-        (!potentials.is_empty()).then(|| {
-            let folds = [&smooth.folds[..], &potentials].concat();
-            SpaceFamily::Smooth(Smooth { folds, ..smooth.clone() })
-        })
-    }
-
     /// The same for densities that do not share the system's symmetry, with all monomials.
     pub(in crate::closure) fn without_symmetry(&self) -> Self {
         match self {
@@ -182,6 +171,25 @@ impl Smooth {
     pub(in crate::closure) fn complete(centre: Vec<f64>, half_width: Vec<f64>) -> Self {
         let (degrees, symmetry) = (Degrees::complete(), Symmetry::none(centre.len()));
         Smooth { degrees, symmetry, centre, half_width, folds: Vec::new() }
+    }
+
+    /// The same with the kinks that ln p has at the surfaces of a problem within a box.
+    pub(in crate::closure) fn bent(self, problem: &Problem, bounds: &[[f64; 2]]) -> Self {
+        let within = |surface: &&Surface| {
+            let [low, high] = bounds[surface.state];
+            low < surface.place && surface.place < high
+        };
+        let surfaces: Vec<Surface> = problem.surfaces().iter().filter(within).copied().collect();
+        let (folds, symmetry) = folded::at(&surfaces, &self.symmetry);
+        Smooth { folds, symmetry, ..self }
+    }
+
+    /// The same with the potentials of forces that are no polynomials, on a box. None without such forces.
+    pub(in crate::closure) fn with_potentials(&self, problem: &Problem, bounds: &[[f64; 2]]) -> Option<Self> {
+        let potentials =
+            if problem.operator().is_polynomial() { Vec::new() } else { folded::potentials(problem, bounds) };
+        let folds = [&self.folds[..], &potentials].concat();
+        (!potentials.is_empty()).then(|| Smooth { folds, ..self.clone() })
     }
 
     /// Those of rising degree that are few enough in three states and more; the first two are in any case.
