@@ -1,7 +1,7 @@
-//! What are the densities of all models, and how accurate are they?
+//! What are the densities of the models, and how accurate are they?
 //!
-//! `cargo run --release --example gallery` closes every model of the library and sets it beside a reference: the exact
-//! density, or the grid and a simulation. Answer: `out/gallery/index.html`, one page with a figure and a table for each
+//! `cargo run --release --example gallery` closes the library's models of two states, and one of four, and sets each beside a reference:
+//! the exact density, or the grid and a simulation. Answer: `out/gallery/index.html`, one page with a figure and a table for each
 //! model, how the error falls with the order, and how a density splits; every figure's numbers are beside it. `--quick` is
 //! coarser.
 
@@ -17,7 +17,7 @@ use std::process::ExitCode;
 use std::{thread, time::Instant};
 use support::page;
 
-/// All models on one page.
+/// The models on one page.
 #[derive(Clone, Debug, Parser)]
 struct Options {
     /// Lower orders, a coarser grid, fewer points and samples
@@ -67,7 +67,7 @@ fn sent<T>(outcome: section::Outcome<T>) -> Result<T, String> {
 
 fn run(plan: &Plan) -> section::Outcome<()> {
     let begin = Instant::now();
-    let models = support::models::models()?;
+    let models = [support::models::models()?, support::models::with_functions()?].concat();
     let mut summary =
         page::Table::new(["model", "states", "order", "unknowns", "estimated L¹ error", "L¹ error", "against"]);
     // A thread for each section: closures and grids keep one core busy.

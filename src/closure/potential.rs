@@ -36,7 +36,7 @@ pub(super) fn by_potential(
     let bounds: Vec<[f64; 2]> = low.iter().zip(&high).map(known).collect();
     let family = smooth.clone().bent(problem, &bounds).with_potentials(problem, &bounds)?;
     let points = pilot.states.evenly(COMPARED);
-    let exactness = Exactness::new(problem, &pilot.states, family.functions(HIGHEST).len())?;
+    let exactness = Exactness::new(problem, &pilot.states, family.functions(HIGHEST).len())?.falling_by_integrals();
     let functions = |order| folded::independent(family.functions(order), &points);
     let exponent = exactness.lowest(order.min(HIGHEST), functions)?;
     exact_about(exponent, domain).filter(|content| content.candidates[0].l1_estimate < RESOLVED)

@@ -1,13 +1,14 @@
 //! The models with the parameters that the examples give them, and their exact densities, where these are known.
 
 use expoly::models::{
-    CubicDamping, DisplacementNoise, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping, Linear, ParametricLinear,
-    PowerLaw, QuinticDuffing, Solved, VanDerPolRayleigh, VelocityNoise, VibroImpactDuffing,
+    Clearance, CubicDamping, DisplacementNoise, DryFriction, Duffing, DuffingChain, DuffingVanDerPol, EnergyDamping,
+    HertzContact, Linear, ParametricLinear, PowerLaw, QuinticDuffing, ShipRoll, SmoothAndDiscontinuous, Solved, Swing,
+    VanDerPolRayleigh, VelocityNoise, VibroImpactDuffing,
 };
 use expoly::{Density, ExpPolynomial, Method, Problem, Result};
 
 /// One model.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Model {
     /// Its names.
     pub about: About,
@@ -74,7 +75,7 @@ fn unsolved(text: [&'static str; 4], problem: Problem) -> Model {
     Model { about: about(text), problem, order: 8, exact: None }
 }
 
-/// All of them, in the order of the library's table.
+/// Those of two states with polynomial forces, in the order of the library's table, and two degrees of freedom.
 ///
 /// # Errors
 /// None; the parameters are those of stationary systems.
@@ -189,6 +190,74 @@ pub fn models() -> Result<Vec<Model>> {
             ],
             4,
             DuffingChain::new(&[0.2, 0.4], 1.0, 0.3, 0.5, 0.8)?,
+        )?,
+    ])
+}
+
+/// Those of two states whose forces are no polynomials. With linear damping their density is exp(-c H/D), which is no exponential
+/// polynomial, but which the closure has with the potential and its kinks in Q.
+///
+/// # Errors
+/// None; the parameters are those of stationary systems.
+pub fn with_functions() -> Result<Vec<Model>> {
+    let of = |text, order, problem: Result<Problem>| -> Result<Model> {
+        Ok(Model { about: about(text), problem: problem?, order, exact: None })
+    };
+    Ok(vec![
+        of(
+            [
+                "clearance",
+                "Clearance",
+                "x″ + c x′ + k x + κ max(|x| − a, 0) sgn x = ξ",
+                "c = 0.2, k = 0.1, κ = 4, a = 1, D = 0.2",
+            ],
+            4,
+            Clearance::new([0.2, 0.1, 4.0, 1.0], 0.2)?.problem(),
+        )?,
+        of(
+            [
+                "hertz_contact",
+                "HertzContact",
+                "x″ + c x′ + k x + κ max(x − a, 0)^{3/2} = ξ",
+                "c = 0.2, k = 1, κ = 4, a = 0, D = 0.2",
+            ],
+            4,
+            HertzContact::new([0.2, 1.0, 4.0, 0.0], 0.2)?.problem(),
+        )?,
+        of(
+            [
+                "smooth_and_discontinuous",
+                "SmoothAndDiscontinuous",
+                "x″ + c x′ + x (1 − 1/√(x² + α²)) = ξ",
+                "c = 0.2, α = 0.5, D = 0.05",
+            ],
+            4,
+            SmoothAndDiscontinuous::new([0.2, 0.5], 0.05)?.problem(),
+        )?,
+        of(
+            ["swing", "Swing", "x″ + c x′ + κ x + k sin x = P + ξ", "c = κ = D = 0.3, k = 1, P = 0.2"],
+            4,
+            Swing::new([0.3, 0.3, 1.0, 0.2], 0.3)?.problem(),
+        )?,
+        of(
+            [
+                "dry_friction",
+                "DryFriction",
+                "x″ + c x′ + μ sgn x′ + k x + β x³ = ξ",
+                "c = 0.1, μ = D = 0.2, k = 1, β = 0.3",
+            ],
+            8,
+            Problem::of(DryFriction::new([0.1, 0.2, 1.0, 0.3], 0.2)?),
+        )?,
+        of(
+            [
+                "ship_roll",
+                "ShipRoll",
+                "x″ + (c + b |x′|) x′ + k x + μ x³ + ν x⁵ = ξ",
+                "c = 0.05, b = D = 0.2, k = 1, μ = 0.1, ν = 0",
+            ],
+            8,
+            Problem::of(ShipRoll::new([0.05, 0.2, 1.0, 0.1, 0.0], 0.2)?),
         )?,
     ])
 }

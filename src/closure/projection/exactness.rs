@@ -47,6 +47,8 @@ pub(in crate::closure) struct Exactness<'a> {
     pilot: &'a States,
     /// The most functions of the densities that are sought.
     functions: usize,
+    /// Whether it is for integrals to show that exp(Q) falls, and not for the highest powers of a polynomial.
+    by_integrals: bool,
     /// Made for the first candidate.
     conditions: OnceCell<Conditions>,
 }
@@ -57,7 +59,12 @@ impl<'a> Exactness<'a> {
     pub(in crate::closure) fn new(problem: &'a Problem, pilot: &'a States, functions: usize) -> Option<Self> {
         let elastic = problem.walls().iter().all(|wall| wall.restitution() == 1.0);
         let served = problem.impulses().is_empty() && elastic;
-        served.then_some(Exactness { problem, pilot, functions, conditions: OnceCell::new() })
+        served.then_some(Exactness { problem, pilot, functions, by_integrals: false, conditions: OnceCell::new() })
+    }
+
+    /// The same for densities of which integrals show that they fall.
+    pub(in crate::closure) fn falling_by_integrals(self) -> Self {
+        Exactness { by_integrals: true, ..self }
     }
 
     /// The orders at which a density of an order may be exact, the lowest first: equations of a higher one are all but singular at it.
@@ -77,18 +84,26 @@ impl<'a> Exactness<'a> {
                 return None;
             }
             let start = by_scores(&space, &self.problem.contacts(), &more)?;
-            let start = Exponent { known: Vec::new(), space, constant: 0.0, coefficients: start };
-            self.conditions().root(start).filter(|density| self.holds_farther(density))
+            self.root(Exponent { known: Vec::new(), space, constant: 0.0, coefficients: start })
         })
     }
 
     /// The exact density near another one.
     pub(in crate::closure) fn near(&self, start: &Exponent) -> Option<Exponent> {
         let sought = start.known.is_empty() && !self.conditions().are_too_few(&start.space);
-        sought.then(|| self.conditions().root(start.clone()))?.filter(|density| self.holds_farther(density))
+        sought.then(|| self.root(start.clone()))?
     }
 
-    /// Whether the residual vanishes farther out than the pilot's states as well, to a part of what it is made of there and at these. Functions of the states may have a kink where no state has been.
+    /// The root near a start that satisfies the equation everywhere, and falls.
+    fn root(&self, start: Exponent) -> Option<Exponent> {
+        let conditions = self.conditions();
+        // Between walls a polynomial need not fall in every direction.
+        let falls = |found: &Exponent| self.by_integrals || conditions.walled || found.is_normalisable();
+        conditions.root(start).filter(|found| falls(found) && self.holds_farther(found))
+    }
+
+    /// Whether the residual vanishes farther out than the pilot's states as well, to a part of what it is made of there and at these.
+    /// Functions of the states may have a kink where no state has been.
     fn holds_farther(&self, density: &Exponent) -> bool {
         if self.problem.operator().is_polynomial() {
             return true;
@@ -150,8 +165,7 @@ impl Conditions {
         (after - before).get(.., 1..).to_owned()
     }
 
-    /// The root of the residual at the states and of the jumps of Q, by steps of Gauss and Newton. None where they do not come to one, or
-    /// exp(Q) has no integral.
+    /// The root of the residual at the states and of the jumps of Q, by steps of Gauss and Newton. None where they do not come to one.
     fn root(&self, start: Exponent) -> Option<Exponent> {
         let (count, size, jumps) = (self.states.len(), start.space.len(), self.jumps(&start.space));
         let impacts = jumps.nrows();
@@ -191,9 +205,7 @@ impl Conditions {
             let change = least_norm(&matrix, &right, ROUNDING * matrix.norm_l2())?;
             current.coefficients.iter_mut().enumerate().for_each(|(k, a)| *a += scale[k] * change[k]);
             if solved {
-                // Between walls a polynomial need not fall in every direction, and a potential falls where its integrals show it.
-                let falls = self.walled || !current.space.folds().is_empty() || current.is_normalisable();
-                return falls.then_some(current);
+                return Some(current);
             }
         }
         None
