@@ -60,6 +60,19 @@ impl Curve {
         (size > 0.0 && pieces.iter().all(Piece::is_resolved)).then_some(Curve { pieces })
     }
 
+    /// The interval.
+    pub(crate) fn interval(&self) -> [f64; 2] {
+        let low = self.pieces.first().map_or(f64::NAN, |piece| piece.low);
+        let high = |piece: &Piece| piece.low + piece.step * (piece.values.len() - 1) as f64;
+        [low, self.pieces.last().map_or(f64::NAN, high)]
+    }
+
+    /// Whether a value is within it.
+    pub(crate) fn covers(&self, x: f64) -> bool {
+        let [low, high] = self.interval();
+        (low..=high).contains(&x)
+    }
+
     /// The value with two derivatives.
     pub(super) fn jet(&self, x: f64) -> [f64; 3] {
         let after = self.pieces.partition_point(|piece| piece.low <= x);

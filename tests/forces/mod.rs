@@ -71,6 +71,10 @@ fn closed_forms_are_found_by_every_method() -> Result<()> {
         let far = Closure::new(4).solve(&oscillator(&format!("0.2*v + x + {stop}"), 0.2))?;
         assert_ne!(far.candidates()[0].origin, Origin::Exact, "{far}");
     }
+    // Wells beyond where states of a pilot have been, as deep as 1e-6 of the mass: E x^4 by quadrature is 0.07856048976.
+    let wells = "0.515*v + 1.429*x - 0.989*exp(-2.958*x^2)*x + 1.842*sin(1.351*x) + 1.834*sin(1.51*x)";
+    let far = Closure::new(4).solve(&oscillator(wells, 0.433))?.moment(&[4, 0])?;
+    assert!((far.value - 0.0785604897617).abs() < 1e-9, "{far}");
     // Friction by a quotient, which leaves a polynomial of the displacement: with its integral in Q off by 8.3e-3, without it by 3.3e-2.
     let quotient = oscillator("0.5*v*(1 - 1/(1 + v^2/2 + x^2/2 + 0.025*x^4)) + x + 0.1*x^3", 0.3);
     let estimate = Closure::new(4).solve(&quotient)?.l1_estimate();

@@ -328,7 +328,7 @@ fn spaces(
         let families = match density.evidence().problem() {
             Some(problem) => {
                 let bent = smooth.bent(problem, bounds);
-                let more = bent.with_potentials(problem, bounds);
+                let more = bent.with_potentials(problem, &|state, _| bounds[state]);
                 std::iter::once(bent).chain(more).map(SpaceFamily::Smooth).collect()
             }
             None => vec![SpaceFamily::Smooth(smooth)],

@@ -103,17 +103,23 @@ impl<'a> Exactness<'a> {
     }
 
     /// Whether the residual vanishes farther out than the pilot's states as well, to a part of what it is made of there and at these.
-    /// Functions of the states may have a kink where no state has been.
+    /// Functions of the states may have a kink where no state has been. Where a table ends the density is negligible.
     fn holds_farther(&self, density: &Exponent) -> bool {
         if self.problem.operator().is_polynomial() {
             return true;
         }
         let own = self.conditions();
         let [low, high] = own.states.range();
+        let folds = density.space.folds();
+        let covers =
+            |x: &[f64]| folds.iter().all(|fold| fold.curve.as_ref().is_none_or(|own| own.covers(x[fold.state])));
         let mut farther = States::new(low.len());
         for x in &own.states {
             let from = |i: usize| (low[i] + high[i]) / 2.0;
-            farther.push(&(0..x.len()).map(|i| from(i) + FARTHER * (x[i] - from(i))).collect::<Vec<_>>());
+            let x: Vec<f64> = (0..x.len()).map(|i| from(i) + FARTHER * (x[i] - from(i))).collect();
+            if covers(&x) {
+                farther.push(&x);
+            }
         }
         let parts = |(_, parts, _): &(f64, f64, Vec<f64>)| *parts;
         let usual = own.linearised(density).iter().map(parts).sum::<f64>() / own.states.len() as f64;

@@ -13,6 +13,9 @@ use faer::{Col, Mat, Scale};
 /// 1e-13 of their range, and next to kinks like that of a power 1.5 to 1e-8.
 const DEPENDENT: f64 = 1e-7;
 
+/// The interval on which a function of a state with a slope is tabulated.
+pub(in crate::closure) type Known<'a> = &'a dyn Fn(usize, &dyn Fn(f64) -> f64) -> [f64; 2];
+
 /// The folds that ln p has at some surfaces, and the part of a symmetry that they have as well.
 pub(in crate::closure) fn at(surfaces: &[Surface], symmetry: &Symmetry) -> (Vec<Fold>, Symmetry) {
     let fold = |&Surface { state, place, power, .. }: &Surface| Fold { state, place, power, curve: None };
@@ -23,13 +26,14 @@ pub(in crate::closure) fn at(surfaces: &[Surface], symmetry: &Symmetry) -> (Vec<
 }
 
 /// The potential U(x) = ∫ h(x, 0) dx of an oscillator x″ + h(x, x′) = ξ, and the integral of its friction ∫ h(0, v) dv, where these are no
-/// polynomials, on a box; of one state ln p = ∫ (2f − B′)/B dx itself. Where damping is linear exp(−(c/D)(v²/2 + U)) is the density.
-pub(in crate::closure) fn potentials(problem: &Problem, bounds: &[[f64; 2]]) -> Vec<Fold> {
+/// polynomials, on the interval that `known` gives for a state and the slope; of one state −ln p = ∫ (B′ − 2f)/B dx itself. Where damping is
+/// linear exp(−(c/D)(v²/2 + U)) is the density.
+pub(in crate::closure) fn potentials(problem: &Problem, known: Known<'_>) -> Vec<Fold> {
     let operator = problem.operator();
     let curve = |state: usize, degree: f64, slope: &dyn Fn(f64) -> f64| {
         let own = problem.surfaces().iter().filter(|surface| surface.state == state);
         let places: Vec<f64> = own.map(|surface| surface.place).collect();
-        let curve = Curve::integral(slope, bounds[state], &places)?;
+        let curve = Curve::integral(slope, known(state, slope), &places)?;
         Some(Fold { state, place: 0.0, power: degree, curve: Some(curve) })
     };
     let depends = |f: &Polynomial, i: usize| f.all_functions().iter().any(|of| of.argument.contains(i));
@@ -37,7 +41,7 @@ pub(in crate::closure) fn potentials(problem: &Problem, bounds: &[[f64; 2]]) -> 
         (1, _) if !operator.is_polynomial() => {
             let (f, b) = (&operator.drift()[0], &operator.diffusion()[0][0]);
             let spread = b.derivative(0);
-            let slope = |x: f64| (2.0 * f.evaluate(&[x]) - spread.evaluate(&[x])) / b.evaluate(&[x]);
+            let slope = |x: f64| (spread.evaluate(&[x]) - 2.0 * f.evaluate(&[x])) / b.evaluate(&[x]);
             curve(0, 1.0, &slope).into_iter().collect()
         }
         (2, [(x, v)]) => {

@@ -1,5 +1,5 @@
 use super::degrees::Degrees;
-use super::folded;
+use super::folded::{self, Known};
 use crate::closure::REFERENCE_EXCESS;
 use crate::closure::space::WallLevel;
 use crate::functions::{Corner, Fold, Functions, Polynomials};
@@ -184,10 +184,10 @@ impl Smooth {
         Smooth { folds, symmetry, ..self }
     }
 
-    /// The same with the potentials of forces that are no polynomials, on a box. None without such forces.
-    pub(in crate::closure) fn with_potentials(&self, problem: &Problem, bounds: &[[f64; 2]]) -> Option<Self> {
+    /// The same with the potentials of forces that are no polynomials, as far as they are to be known. None without such forces.
+    pub(in crate::closure) fn with_potentials(&self, problem: &Problem, known: Known<'_>) -> Option<Self> {
         let potentials =
-            if problem.operator().is_polynomial() { Vec::new() } else { folded::potentials(problem, bounds) };
+            if problem.operator().is_polynomial() { Vec::new() } else { folded::potentials(problem, known) };
         let folds = [&self.folds[..], &potentials].concat();
         (!potentials.is_empty()).then(|| Smooth { folds, ..self.clone() })
     }
