@@ -52,7 +52,8 @@ pub(super) enum Order {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reference {
     /// In one state and two the solution of the moment equations, and where they have none, contradict the pilot, or have an error
-    /// that is a large part of the estimate, the density of a [`Grid`](crate::Grid), which in one state is a closed form. In three
+    /// that is a large part of the estimate, the density of a [`Grid`](crate::Grid), which in one state is a closed form; where the drift
+    /// has a kink the grid's, unless states show an exact density. In three
     /// states and more the pilot's states, as next to walls and under impulses what serves there.
     #[default]
     Automatic,

@@ -104,7 +104,7 @@ fn shows_in_between(problem: &Problem) -> bool {
 }
 
 impl Closure {
-    /// The exact density of a force with kinks. None where there is none.
+    /// The exact density of a force with kinks. None where there is none, or no pilot: the grid gives the reason then.
     pub(super) fn exact_with_kinks(&self, problem: &Problem, settles: bool, begin: Instant) -> Option<ClosureDensity> {
         if !shows_in_between(problem) {
             return None;

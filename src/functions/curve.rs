@@ -182,7 +182,7 @@ mod tests {
     }
 
     /// The integrals of a sign and of powers of a half and 1.5 beside a place: pieces of a straight line are right to the rounding of their sum;
-    /// next to a power m + 1 of the integral, a tenth of that power of the step, here 0.003 of its piece.
+    /// next to a power m + 1 of the integral, a tenth of that power of the step, here 0.0014 of its piece.
     #[test]
     fn kinks_are_at_ends_of_pieces() {
         let (at, places) = (0.3, [5.0, 0.3]);
@@ -199,7 +199,7 @@ mod tests {
             assert!(off[0].abs() < 1e-13 && off[1].abs() < 1e-12 && off[2].abs() < 1e-9, "{x}: {off:?}");
             for (m, power) in &powers {
                 let off = power(x)[0] - ((x - at).max(0.0) / 0.7).powf(m + 1.0);
-                assert!(off.abs() < 0.2 * 0.003_f64.powf(m + 1.0), "{m}, {x}: {off:e}");
+                assert!(off.abs() < 0.2 * 0.0014_f64.powf(m + 1.0), "{m}, {x}: {off:e}");
             }
         }
     }

@@ -10,7 +10,7 @@ use crate::states::States;
 use faer::{Col, Mat, Scale};
 
 /// A product with a curve of which no more than this share is no combination of other functions is one of them: tables are right to
-/// 1e-13 of their range, and next to kinks like that of a power 1.5 to 1e-8.
+/// 1e-14 of their range, and next to a kink like that of a force of the power 1.5 to 1e-8.
 const DEPENDENT: f64 = 1e-7;
 
 /// The interval on which a function of a state with a slope is tabulated.
